@@ -1,0 +1,24 @@
+//! Pure mathematics of poses, cameras, planes and ellipsoids.
+//!
+//! Conventions, stated once for the whole project:
+//! - A rigid transform is named `a_from_b`: it takes coordinates in `b` to coordinates in `a`.
+//! - Tangent vectors list rotation first, then translation: `[rad, rad, rad, m, m, m]`, and perturb on the
+//!   right: `pose ⊞ d = pose * exp(d)`.
+//! - A camera frame is the optical frame: x right, y down, z forward. Pixel centres have integer coordinates.
+//! - Metres, seconds, radians.
+
+mod camera;
+mod ellipsoid;
+mod outline;
+mod overlap;
+mod plane;
+mod pose;
+mod rect;
+
+pub use camera::{Camera, CameraError, Distortion};
+pub use ellipsoid::{Ellipsoid, EllipsoidError};
+pub use outline::{Outline, OutlineError};
+pub use overlap::{OrientedBox, intersection_over_union, intersection_volume};
+pub use plane::Plane;
+pub use pose::{Pose, exp, interpolate, local, log, retract, skew, yaw_of};
+pub use rect::Rect;

@@ -1,0 +1,72 @@
+//! Rigid transforms and their tangent space.
+
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3, Vector6};
+
+/// A rigid transform `a_from_b`.
+pub type Pose = Isometry3<f64>;
+
+/// The cross-product matrix: `skew(a) * b = a × b`.
+pub fn skew(v: Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
+}
+
+/// The pose reached by following the twist `[rotation, translation]` for one unit of time.
+///
+/// Barfoot, State Estimation for Robotics, eq. (7.25) with the order of the parts exchanged.
+pub fn exp(twist: &Vector6<f64>) -> Pose {
+    let phi = Vector3::new(twist[0], twist[1], twist[2]);
+    let rho = Vector3::new(twist[3], twist[4], twist[5]);
+    let translation = left_jacobian(phi) * rho;
+    Pose::from_parts(Translation3::from(translation), UnitQuaternion::from_scaled_axis(phi))
+}
+
+/// The twist `[rotation, translation]` that [`exp`] takes to `pose`; the rotation angle is at most π.
+pub fn log(pose: &Pose) -> Vector6<f64> {
+    let phi = pose.rotation.scaled_axis();
+    let rho = left_jacobian_inverse(phi) * pose.translation.vector;
+    Vector6::new(phi.x, phi.y, phi.z, rho.x, rho.y, rho.z)
+}
+
+/// `pose * exp(twist)`.
+pub fn retract(pose: &Pose, twist: &Vector6<f64>) -> Pose {
+    pose * exp(twist)
+}
+
+/// The twist that takes `from` to `to`: the inverse of [`retract`].
+pub fn local(from: &Pose, to: &Pose) -> Vector6<f64> {
+    log(&(from.inverse() * to))
+}
+
+/// The pose at `fraction` (0 at `from`, 1 at `to`) of the way at constant twist.
+pub fn interpolate(from: &Pose, to: &Pose, fraction: f64) -> Pose {
+    retract(from, &(local(from, to) * fraction))
+}
+
+/// Heading of the x axis in the horizontal plane [rad], counter-clockwise seen from above.
+pub fn yaw_of(pose: &Pose) -> f64 {
+    let x = pose.rotation * Vector3::x();
+    x.y.atan2(x.x)
+}
+
+/// Below this angle [rad] the closed forms lose digits and their Taylor series is exact to machine precision.
+const SMALL_ANGLE: f64 = 1e-4;
+
+fn left_jacobian(phi: Vector3<f64>) -> Matrix3<f64> {
+    let (angle, s) = (phi.norm(), skew(phi));
+    let (b, c) = if angle < SMALL_ANGLE {
+        (0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0)
+    } else {
+        ((1.0 - angle.cos()) / angle.powi(2), (angle - angle.sin()) / angle.powi(3))
+    };
+    Matrix3::identity() + s * b + s * s * c
+}
+
+fn left_jacobian_inverse(phi: Vector3<f64>) -> Matrix3<f64> {
+    let (angle, s) = (phi.norm(), skew(phi));
+    let c = if angle < SMALL_ANGLE {
+        1.0 / 12.0 + angle * angle / 720.0
+    } else {
+        (1.0 - angle * (0.5 * angle).cos() / (2.0 * (0.5 * angle).sin())) / angle.powi(2)
+    };
+    Matrix3::identity() - s * 0.5 + s * s * c
+}

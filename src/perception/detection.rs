@@ -1,0 +1,55 @@
+//! A detector's 2D box.
+
+use crate::geometry::Rect;
+use thiserror::Error;
+
+/// One box of a 2D detector, in pixels of the image it was detected in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Detection {
+    /// The box; it may reach beyond the image, but not lie outside it.
+    pub rect: Rect,
+    /// Class names with probabilities in (0, 1], most probable first; never empty.
+    hypotheses: Vec<(String, f64)>,
+}
+
+/// Why numbers are not a detection.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum DetectionError {
+    /// A side is not finite, or the box is inverted or empty.
+    #[error("the box is inverted, empty or not finite")]
+    BadBox,
+    /// No class, or no probability in (0, 1].
+    #[error("the detection names no class with a probability between 0 and 1")]
+    NoClass,
+}
+
+impl Detection {
+    /// A detection from its box and its class hypotheses in any order.
+    ///
+    /// # Errors
+    /// When no hypothesis has a name and a probability in (0, 1].
+    pub fn new(rect: Rect, hypotheses: Vec<(String, f64)>) -> Result<Self, DetectionError> {
+        let mut hypotheses = hypotheses;
+        hypotheses.retain(|(name, p)| !name.is_empty() && *p > 0.0 && *p <= 1.0);
+        hypotheses.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+        if hypotheses.is_empty() {
+            return Err(DetectionError::NoClass);
+        }
+        Ok(Self { rect, hypotheses })
+    }
+
+    /// The most probable class.
+    pub fn label(&self) -> &str {
+        &self.hypotheses[0].0
+    }
+
+    /// Probability of [`Detection::label`], the paper's `P_det`.
+    pub fn probability(&self) -> f64 {
+        self.hypotheses[0].1
+    }
+
+    /// All classes with their probabilities, most probable first.
+    pub fn hypotheses(&self) -> &[(String, f64)] {
+        &self.hypotheses
+    }
+}
