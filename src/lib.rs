@@ -5,5 +5,6 @@
 pub mod time;
 
 pub mod geometry;
+pub mod mapping;
 pub mod perception;
 pub mod pipeline;

@@ -8,6 +8,7 @@ use super::{
     fit::{fit_ellipsoid, fit_probability},
     footprint::{Heading, heading_of_faces, heading_of_rectangle},
     segmentation::{Segment, SegmentationSettings, segment},
+    stage::{Stage, StageObserver},
     symmetry::refine_symmetry,
 };
 use crate::geometry::{Ellipsoid, Outline};
@@ -53,11 +54,13 @@ pub fn estimate_frame(
     frame: &Frame<'_>,
     detections: &[Detection],
     settings: &PerceptionSettings,
+    observer: &mut dyn StageObserver,
 ) -> FrameEstimate {
+    observer.enter(Some(Stage::SupportPlanes));
     let planes = find_support_planes(frame, &settings.support);
     let objects = detections
         .iter()
-        .map(|detection| estimate_object(frame, &planes, detection, settings))
+        .map(|detection| estimate_object(frame, &planes, detection, settings, observer))
         .collect();
     FrameEstimate { planes, objects }
 }
@@ -71,16 +74,21 @@ pub fn estimate_object(
     planes: &[SupportPlane],
     detection: &Detection,
     settings: &PerceptionSettings,
+    observer: &mut dyn StageObserver,
 ) -> Result<EllipsoidMeasurement, Refused> {
+    observer.enter(Some(Stage::Segmentation));
     let prior = settings.classes.prior(detection.label());
     let segment = segment(frame, planes, &detection.rect, &settings.segmentation)?;
+    observer.enter(Some(Stage::Faces));
     let heading = heading(&segment);
     let mut faces = Faces::measure(frame, &segment, heading.yaw, &prior);
+    observer.enter(Some(Stage::Symmetry));
     let symmetry = complete_by_symmetry(frame, &segment, prior.symmetry, &mut faces);
     let known = faces.faces[..4].iter().filter(|f| f.side.is_known()).count();
     if known == 0 {
         return Err(Refused::TooLittleSeen { known });
     }
+    observer.enter(Some(Stage::Fit));
     let completed = completed_points(&segment, &symmetry);
     let body = Ellipsoid::new(faces.pose(), faces.semi_axes_m());
     let in_level = match settings.fit {

@@ -87,20 +87,6 @@ pub(super) fn heading_of_rectangle(points: &[SurfacePoint]) -> Heading {
     Heading { yaw, sigma: (0.02 / contrast.max(0.02)).hypot(MIN_SIGMA_RAD).min(0.8) }
 }
 
-/// Principal axis of the footprint [rad]: the paper's initial direction.
-pub(super) fn principal_heading(points: &[SurfacePoint]) -> f64 {
-    let n = points.len() as f64;
-    let mean = points.iter().map(|p| p.at.coords.xy()).sum::<Vector2<f64>>() / n;
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for p in points {
-        let d = p.at.coords.xy() - mean;
-        xx += d.x * d.x;
-        xy += d.x * d.y;
-        yy += d.y * d.y;
-    }
-    0.5 * (2.0 * xy).atan2(xx - yy)
-}
-
 /// The `share` quantile; reorders `values`.
 pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {

@@ -59,7 +59,7 @@ impl Rays {
     }
 
     #[inline]
-    fn at(&self, u: i32, v: i32) -> Vector3<f64> {
+    pub(super) fn at(&self, u: i32, v: i32) -> Vector3<f64> {
         let [x, y] = self.directions[v as usize * self.camera.width() as usize + u as usize];
         Vector3::new(f64::from(x), f64::from(y), 1.0)
     }

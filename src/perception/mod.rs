@@ -12,7 +12,9 @@ mod fit;
 mod footprint;
 mod frame;
 mod measurement;
+mod registration;
 mod segmentation;
+mod stage;
 mod support;
 mod symmetry;
 
@@ -24,6 +26,8 @@ pub use faces::Side;
 pub use fit::{FitReport, fit_ellipsoid, fit_probability, residual, retract_upright};
 pub use frame::{DepthNoise, Frame, Rays, Sight};
 pub use measurement::{EllipsoidMeasurement, Probability, Refused};
+pub use registration::register_depth;
 pub use segmentation::SegmentationSettings;
+pub use stage::{Stage, StageObserver};
 pub use support::{SupportPlane, SupportSettings, find_support_planes};
 pub use symmetry::{SymmetryPlane, SymmetryType};
