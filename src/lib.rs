@@ -7,3 +7,6 @@ pub mod time;
 pub mod geometry;
 pub mod perception;
 pub mod pipeline;
+
+pub mod io;
+pub mod msg;
