@@ -8,3 +8,6 @@ pub mod geometry;
 pub mod mapping;
 pub mod perception;
 pub mod pipeline;
+
+pub mod io;
+pub mod msg;

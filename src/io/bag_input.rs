@@ -1,0 +1,214 @@
+//! A bag as the core's inputs.
+
+use super::{
+    BagError, BagReader, BagWarning, Decoder, Messages, Remap, Role, RoleError, Roles, SkipCount,
+    Skipped,
+};
+use crate::{
+    pipeline::{CameraRole, Input},
+    time::Stamp,
+};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A bag whose topics have roles and whose first images and calibrations fit each other.
+#[derive(Debug)]
+pub struct BagInput {
+    bag: BagReader,
+    roles: Roles,
+}
+
+/// Why a bag cannot be replayed.
+#[derive(Debug, Error)]
+pub enum InputError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Bag(#[from] BagError),
+    /// Its topics do not fit.
+    #[error("{}: {source}", path.display())]
+    Roles {
+        /// The bag.
+        path: PathBuf,
+        /// Why.
+        source: RoleError,
+    },
+    /// A topic without a single usable message.
+    #[error("{}: none of the messages on {topic} can be used for {role}: {why}", path.display())]
+    NothingUsable {
+        /// The bag.
+        path: PathBuf,
+        /// The role.
+        role: Role,
+        /// The topic.
+        topic: String,
+        /// What is wrong with the first of them.
+        why: String,
+    },
+    /// Depth images and calibration of different cameras.
+    #[error(
+        "{}: depth images on {depth_topic} are {}x{}, but {info_topic} says {}x{}; \
+         name the depth camera's calibration with `-r depth_camera_info:=/topic`",
+        path.display(), depth.0, depth.1, info.0, info.1
+    )]
+    SizesDiffer {
+        /// The bag.
+        path: PathBuf,
+        /// Topic of the depth images.
+        depth_topic: String,
+        /// Their size.
+        depth: (u32, u32),
+        /// Topic of the calibration.
+        info_topic: String,
+        /// The size it states.
+        info: (u32, u32),
+    },
+}
+
+impl BagInput {
+    /// Opens a bag and assigns its topics to roles.
+    ///
+    /// # Errors
+    /// When the bag cannot be read, lacks depth, calibration or detections, or has none that can be used.
+    pub fn open(path: &Path, remaps: &[Remap]) -> Result<Self, InputError> {
+        let bag = BagReader::open(path)?;
+        let roles = Roles::assign(bag.topics(), remaps)
+            .map_err(|source| InputError::Roles { path: path.to_owned(), source })?;
+        let input = Self { bag, roles };
+        input.check_sizes(path)?;
+        Ok(input)
+    }
+
+    /// The bag.
+    pub fn bag(&self) -> &BagReader {
+        &self.bag
+    }
+
+    /// Which topic is used for what.
+    pub fn roles(&self) -> &Roles {
+        &self.roles
+    }
+
+    /// All inputs in the order of their log time.
+    pub fn inputs(&self) -> Inputs<'_> {
+        Inputs {
+            messages: self.bag.messages().only(self.roles.core_topics()),
+            decoder: Decoder::new(self.roles.clone()),
+            messages_read: 0,
+            log_time: Stamp::default(),
+        }
+    }
+
+    /// Number of messages that [`BagInput::inputs`] reads, for a progress bar.
+    pub fn message_count(&self) -> u64 {
+        let used = |name: &str| self.roles.core_topics().any(|topic| topic == name);
+        self.bag.topics().iter().filter(|topic| used(&topic.name)).map(|topic| topic.messages).sum()
+    }
+
+    /// Compares the first usable depth image with the calibration that it needs.
+    fn check_sizes(&self, path: &Path) -> Result<(), InputError> {
+        let own_info = self.roles.depth_camera_info.as_ref();
+        let info_topic = own_info.unwrap_or(&self.roles.camera_info);
+        let depth_size = |input: Input| match input {
+            Input::Depth(depth) => Some((depth.image.width(), depth.image.height())),
+            _ => None,
+        };
+        let info_size = |wanted: CameraRole| {
+            move |input: Input| match input {
+                Input::Camera(info) if info.role == wanted => {
+                    Some((info.camera.width(), info.camera.height()))
+                }
+                _ => None,
+            }
+        };
+        let color = info_size(CameraRole::Color);
+        let color = self.first(path, Role::CameraInfo, &self.roles.camera_info, color)?;
+        let info = match own_info {
+            Some(topic) => {
+                self.first(path, Role::DepthCameraInfo, topic, info_size(CameraRole::Depth))?
+            }
+            None => color,
+        };
+        let depth = self.first(path, Role::Depth, &self.roles.depth, depth_size)?;
+        if depth == info {
+            return Ok(());
+        }
+        let (path, depth_topic) = (path.to_owned(), self.roles.depth.clone());
+        let info_topic = info_topic.clone();
+        Err(InputError::SizesDiffer { path, depth_topic, depth, info_topic, info })
+    }
+
+    /// What `wanted` picks from the first usable message of a topic.
+    fn first<T>(
+        &self,
+        path: &Path,
+        role: Role,
+        topic: &str,
+        wanted: impl Fn(Input) -> Option<T>,
+    ) -> Result<T, InputError> {
+        let mut decoder = Decoder::new(self.roles.clone());
+        let mut first_problem: Option<Skipped> = None;
+        for message in self.bag.messages().only([topic]) {
+            match decoder.decode(&message) {
+                Ok(input) => {
+                    if let Some(found) = input.and_then(&wanted) {
+                        return Ok(found);
+                    }
+                }
+                Err(skipped) => {
+                    first_problem.get_or_insert(skipped);
+                }
+            }
+        }
+        let why = first_problem.map_or("there are none".to_owned(), |s| s.why.to_string());
+        let (path, topic) = (path.to_owned(), topic.to_owned());
+        Err(InputError::NothingUsable { path, role, topic, why })
+    }
+}
+
+/// The core's inputs from a bag. Messages that cannot be used are left out and counted.
+#[derive(Debug)]
+pub struct Inputs<'a> {
+    messages: Messages<'a>,
+    decoder: Decoder,
+    messages_read: u64,
+    log_time: Stamp,
+}
+
+impl Inputs<'_> {
+    /// What has been left out so far.
+    pub fn skipped(&self) -> &SkipCount {
+        self.decoder.skipped()
+    }
+
+    /// Damage that was found while reading, beyond what [`BagReader::warnings`] knew.
+    pub fn warnings(&self) -> &[BagWarning] {
+        self.messages.warnings()
+    }
+
+    /// Messages read so far, usable or not.
+    pub fn messages_read(&self) -> u64 {
+        self.messages_read
+    }
+
+    /// When the latest message was recorded.
+    pub fn log_time(&self) -> Stamp {
+        self.log_time
+    }
+}
+
+impl Iterator for Inputs<'_> {
+    type Item = Input;
+
+    fn next(&mut self) -> Option<Input> {
+        loop {
+            let message = self.messages.next()?;
+            self.messages_read += 1;
+            self.log_time = message.log_time;
+            match self.decoder.decode(&message) {
+                Ok(Some(input)) => return Some(input),
+                Ok(None) => (),
+                Err(skipped) => tracing::debug!("skipped: {skipped}"),
+            }
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Bags as a stream of messages in the order of their log time.
+
+use super::{
+    BagError, BagWarning, Damage, bag_folder,
+    mcap_file::{self, McapFile, Span, damage, visit_records},
+};
+use crate::time::Stamp;
+use mcap::records::Record;
+use serde::Serialize;
+use std::{
+    cmp::Reverse,
+    collections::{BTreeMap, BTreeSet, BinaryHeap},
+    fs::File,
+    path::Path,
+    sync::Arc,
+};
+
+/// A bag that has been opened: one MCAP file or those of a rosbag2 folder.
+#[derive(Debug)]
+pub struct BagReader {
+    files: Vec<McapFile>,
+    topics: Vec<Topic>,
+}
+
+/// A topic of a bag.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Topic {
+    /// Name.
+    pub name: String,
+    /// Type, such as `sensor_msgs/msg/Image`.
+    pub type_name: String,
+    /// How messages are encoded; ROS 2 writes `cdr`.
+    pub encoding: String,
+    /// Number of messages.
+    pub messages: u64,
+}
+
+/// A message as it lies in the bag.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RawMessage {
+    /// Topic.
+    pub topic: Arc<str>,
+    /// Type, such as `sensor_msgs/msg/Image`.
+    pub type_name: Arc<str>,
+    /// When it was recorded.
+    pub log_time: Stamp,
+    /// CDR bytes.
+    pub data: Vec<u8>,
+}
+
+impl BagReader {
+    /// Opens an `.mcap` file or a rosbag2 folder.
+    ///
+    /// # Errors
+    /// When there is no MCAP file or it cannot be read. Damage is a warning, not an error.
+    pub fn open(path: &Path) -> Result<Self, BagError> {
+        let paths = bag_folder::mcap_files(path)?;
+        let files: Vec<McapFile> =
+            paths.iter().map(|path| McapFile::open(path)).collect::<Result<_, _>>()?;
+        let topics = topics_of(&files);
+        Ok(Self { files, topics })
+    }
+
+    /// All topics, by name.
+    pub fn topics(&self) -> &[Topic] {
+        &self.topics
+    }
+
+    /// Number of messages in all topics.
+    pub fn message_count(&self) -> u64 {
+        self.topics.iter().map(|topic| topic.messages).sum()
+    }
+
+    /// Log times of the first and the last message; nothing for an empty bag.
+    pub fn time_range(&self) -> Option<(Stamp, Stamp)> {
+        let spans = || self.files.iter().flat_map(|file| &file.spans);
+        let first = spans().map(|span| span.start).min()?;
+        let last = spans().map(|span| span.end).max()?;
+        Some((stamp_of(first), stamp_of(last)))
+    }
+
+    /// What was found damaged when the bag was opened.
+    pub fn warnings(&self) -> impl Iterator<Item = &BagWarning> {
+        self.files.iter().flat_map(|file| &file.warnings)
+    }
+
+    /// All messages in the order of their log time, or in that of the files where it is the same.
+    pub fn messages(&self) -> Messages<'_> {
+        let of_file = |(file, mcap): (usize, &McapFile)| {
+            mcap.spans.iter().map(|span| PendingSpan { file, span: *span }).collect::<Vec<_>>()
+        };
+        let mut pending: Vec<PendingSpan> =
+            self.files.iter().enumerate().flat_map(of_file).collect();
+        pending.sort_by_key(|p| Reverse((p.span.start, p.file, p.span.offset)));
+        Messages {
+            bag: self,
+            only: None,
+            pending,
+            ready: BinaryHeap::new(),
+            open: None,
+            warnings: Vec::new(),
+        }
+    }
+}
+
+/// The messages of a bag. Damaged parts are left out, and noted.
+///
+/// Holds one chunk in memory, and more only where chunks overlap in time.
+#[derive(Debug)]
+pub struct Messages<'a> {
+    bag: &'a BagReader,
+    only: Option<BTreeSet<String>>,
+    /// Latest first, so that the next one is at the end.
+    pending: Vec<PendingSpan>,
+    ready: BinaryHeap<Reverse<Ready>>,
+    open: Option<(usize, File)>,
+    warnings: Vec<BagWarning>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct PendingSpan {
+    file: usize,
+    span: Span,
+}
+
+/// A message that has been read. The fields' order is the order in which messages are handed out.
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Ready {
+    log_time: u64,
+    file: usize,
+    offset: u64,
+    index: usize,
+    channel_id: u16,
+    data: Vec<u8>,
+}
+
+impl<'a> Messages<'a> {
+    /// Only those of some topics.
+    pub fn only<S: AsRef<str>>(mut self, topics: impl IntoIterator<Item = S>) -> Self {
+        self.only = Some(topics.into_iter().map(|topic| topic.as_ref().to_owned()).collect());
+        self
+    }
+
+    /// What was found damaged while reading; complete after the last message.
+    pub fn warnings(&self) -> &[BagWarning] {
+        &self.warnings
+    }
+
+    /// Reads the spans that may hold a message before the first one that is ready.
+    fn fill(&mut self) {
+        while let Some(next) = self.pending.last().copied() {
+            let first_ready = self.ready.peek().map(|Reverse(ready)| ready.log_time);
+            if first_ready.is_some_and(|log_time| log_time < next.span.start) {
+                return;
+            }
+            self.pending.pop();
+            if let Err(damage) = self.load(next) {
+                let path = self.bag.files[next.file].path.clone();
+                let warning = BagWarning { path, damage };
+                if !self.bag.files[next.file].warnings.contains(&warning) {
+                    self.warnings.push(warning);
+                }
+            }
+        }
+    }
+
+    fn load(&mut self, next: PendingSpan) -> Result<(), Damage> {
+        let PendingSpan { file, span } = next;
+        let mut handle = match self.open.take() {
+            Some((open, handle)) if open == file => handle,
+            _ => self.reopen(&next)?,
+        };
+        let channels = &self.bag.files[file].channels;
+        let (only, ready) = (&self.only, &mut self.ready);
+        let mut unknown = 0_u64;
+        let outcome = visit_records(&mut handle, &span, |record| {
+            let Record::Message { header, data } = record else { return };
+            let Some(channel) = channels.get(&header.channel_id) else {
+                unknown += 1;
+                return;
+            };
+            if only.as_ref().is_none_or(|only| only.contains(&*channel.topic)) {
+                ready.push(Reverse(Ready {
+                    log_time: header.log_time,
+                    file,
+                    offset: span.offset,
+                    index: ready.len(),
+                    channel_id: header.channel_id,
+                    data: data.into_owned(),
+                }));
+            }
+        });
+        self.open = Some((file, handle));
+        let cut = self.bag.files[file].warnings.iter().any(|w| is_cut(&w.damage));
+        match outcome {
+            Err(_) if cut && next.is_last_of(&self.bag.files[file]) => Ok(()),
+            Err(problem) => Err(damage(&span, &problem)),
+            Ok(()) if unknown > 0 => {
+                let problem = format!("{unknown} messages belong to no known channel");
+                Err(Damage::Corrupt { at_byte: span.offset, bytes: span.bytes, problem })
+            }
+            Ok(()) => Ok(()),
+        }
+    }
+
+    fn reopen(&self, next: &PendingSpan) -> Result<File, Damage> {
+        let opened = mcap_file::open(&self.bag.files[next.file].path);
+        opened.map(|(file, _)| file).map_err(|e| damage(&next.span, &e.into()))
+    }
+}
+
+impl PendingSpan {
+    fn is_last_of(&self, file: &McapFile) -> bool {
+        file.spans.iter().all(|span| span.offset <= self.span.offset)
+    }
+}
+
+impl Iterator for Messages<'_> {
+    type Item = RawMessage;
+
+    fn next(&mut self) -> Option<RawMessage> {
+        self.fill();
+        let Reverse(ready) = self.ready.pop()?;
+        // OK because only messages of known channels are made ready.
+        let channel = &self.bag.files[ready.file].channels[&ready.channel_id];
+        Some(RawMessage {
+            topic: channel.topic.clone(),
+            type_name: channel.type_name.clone(),
+            log_time: stamp_of(ready.log_time),
+            data: ready.data,
+        })
+    }
+}
+
+fn is_cut(damage: &Damage) -> bool {
+    matches!(damage, Damage::CutRecord { .. })
+}
+
+/// The topics of all files together, by name.
+fn topics_of(files: &[McapFile]) -> Vec<Topic> {
+    let mut messages: BTreeMap<(String, String, String), u64> = BTreeMap::new();
+    for channel in files.iter().flat_map(|file| file.channels.values()) {
+        let key = [&channel.topic, &channel.type_name, &channel.encoding].map(|s| s.to_string());
+        *messages.entry(key.into()).or_default() += channel.messages;
+    }
+    let topic =
+        |((name, type_name, encoding), messages)| Topic { name, type_name, encoding, messages };
+    messages.into_iter().map(topic).collect()
+}
+
+fn stamp_of(nanos: u64) -> Stamp {
+    Stamp::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX))
+}

@@ -1,0 +1,148 @@
+//! From a bag's messages to the core's inputs.
+
+use super::{RawMessage, Roles};
+use crate::{
+    msg::{
+        Message,
+        cdr::decode,
+        convert::{self, ConvertError},
+        sensor_msgs::CompressedImage,
+    },
+    pipeline::{CameraRole, DepthMessage, Input},
+};
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// A message, or a part of one, that was left out.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{topic}: {why}")]
+pub struct Skipped {
+    /// Topic.
+    pub topic: String,
+    /// Why.
+    pub why: ConvertError,
+}
+
+impl Skipped {
+    /// A short, stable key for counting.
+    pub fn reason(&self) -> &'static str {
+        self.why.reason()
+    }
+}
+
+/// How many messages, boxes and transforms were left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SkipCount {
+    by_reason: BTreeMap<(String, &'static str), (u64, Skipped)>,
+}
+
+impl SkipCount {
+    /// Notes one more.
+    pub fn add(&mut self, skipped: Skipped) {
+        let key = (skipped.topic.clone(), skipped.reason());
+        self.by_reason.entry(key).or_insert((0, skipped)).0 += 1;
+    }
+
+    /// Topic, reason, how many, and the first of them; by topic and reason.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &'static str, u64, &Skipped)> {
+        let entries = self.by_reason.iter();
+        entries.map(|((topic, reason), (count, first))| (topic.as_str(), *reason, *count, first))
+    }
+
+    /// How many were left out in all.
+    pub fn total(&self) -> u64 {
+        self.by_reason.values().map(|(count, _)| count).sum()
+    }
+}
+
+/// Decodes the messages of the topics that have a role.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    roles: Roles,
+    /// `(width, height)` of the images that the boxes live in, once a calibration said so.
+    color_size: Option<(u32, u32)>,
+    skipped: SkipCount,
+}
+
+impl Decoder {
+    /// A decoder that has seen nothing yet.
+    pub fn new(roles: Roles) -> Self {
+        Self { roles, color_size: None, skipped: SkipCount::default() }
+    }
+
+    /// The core's input from a message, or nothing if its topic has no role. A message that cannot be used is
+    /// refused and counted; boxes and transforms that cannot be used are left out of their message and counted.
+    ///
+    /// # Errors
+    /// When nothing of the message can be used.
+    pub fn decode(&mut self, message: &RawMessage) -> Result<Option<Input>, Skipped> {
+        let mut left_out = Vec::new();
+        let outcome = self.convert(message, &mut left_out);
+        let skipped = |why| Skipped { topic: message.topic.to_string(), why };
+        left_out.into_iter().map(skipped).for_each(|part| self.skipped.add(part));
+        outcome.map_err(|why| {
+            self.skipped.add(skipped(why.clone()));
+            skipped(why)
+        })
+    }
+
+    /// What has been left out so far.
+    pub fn skipped(&self) -> &SkipCount {
+        &self.skipped
+    }
+
+    fn convert(
+        &mut self,
+        message: &RawMessage,
+        left_out: &mut Vec<ConvertError>,
+    ) -> Result<Option<Input>, ConvertError> {
+        let (topic, data) = (&*message.topic, message.data.as_slice());
+        let is = |role: &Option<String>| role.as_deref() == Some(topic);
+        let roles = &self.roles;
+        let input = if topic == roles.depth {
+            Input::Depth(depth(message)?)
+        } else if topic == roles.camera_info {
+            let rectified = roles.is_color_rectified();
+            let message = convert::camera(&decode(data)?, CameraRole::Color, rectified)?;
+            self.color_size = Some((message.camera.width(), message.camera.height()));
+            Input::Camera(message)
+        } else if is(&roles.depth_camera_info) {
+            let rectified = roles.is_depth_rectified();
+            Input::Camera(convert::camera(&decode(data)?, CameraRole::Depth, rectified)?)
+        } else if is(&roles.odometry) {
+            Input::Odometry(convert::odometry(&decode(data)?)?)
+        } else if topic == roles.detections {
+            let (boxes, bad) = convert::detections(&decode(data)?, self.color_size);
+            left_out.extend(bad);
+            Input::Detections(boxes)
+        } else if let Some(is_static) = transforms_of(roles, topic) {
+            let (transforms, bad) = convert::transforms(&decode(data)?);
+            left_out.extend(bad);
+            Input::Transforms { is_static, transforms }
+        } else {
+            return Ok(None);
+        };
+        Ok(Some(input))
+    }
+}
+
+/// Depth from either of the two image types.
+fn depth(message: &RawMessage) -> Result<DepthMessage, ConvertError> {
+    if &*message.type_name == CompressedImage::TYPE {
+        convert::compressed_depth_image(&decode(&message.data)?)
+    } else {
+        convert::depth_image(&decode(&message.data)?)
+    }
+}
+
+/// Whether the topic carries fixed transforms; nothing if it carries none.
+fn transforms_of(roles: &Roles, topic: &str) -> Option<bool> {
+    let among = |topics: &[String]| topics.iter().any(|name| name == topic);
+    if among(&roles.tf_static) {
+        Some(true)
+    } else if among(&roles.tf) {
+        Some(false)
+    } else {
+        None
+    }
+}

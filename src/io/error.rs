@@ -1,0 +1,121 @@
+//! Why a bag cannot be used, and what is wrong with one that can.
+
+use std::{fmt, io, path::PathBuf};
+use thiserror::Error;
+
+/// Why a bag cannot be read or written at all.
+#[derive(Debug, Error)]
+pub enum BagError {
+    /// Nothing there.
+    #[error("{}: no such file or folder", path.display())]
+    NotFound {
+        /// What was asked for.
+        path: PathBuf,
+    },
+    /// The operating system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: io::Error,
+    },
+    /// Another kind of file.
+    #[error("{} is not an MCAP file", path.display())]
+    NotMcap {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A folder without MCAP files.
+    #[error("{} contains no .mcap file", path.display())]
+    NoMcapInFolder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// rosbag2's other storage.
+    #[error(
+        "{} is a bag in SQLite storage, which is not supported: convert it to MCAP with `ros2 bag convert`",
+        path.display()
+    )]
+    Sqlite {
+        /// The folder or file.
+        path: PathBuf,
+    },
+    /// rosbag2 compressed each message by itself.
+    #[error(
+        "{} is compressed message by message, which is not supported: convert it with `ros2 bag convert`, \
+         or record with `--storage-preset-profile zstd_fast`",
+        path.display()
+    )]
+    MessageCompression {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// `metadata.yaml` is not what rosbag2 writes.
+    #[error("{}: {problem}", path.display())]
+    BadMetadata {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The MCAP library refused to write.
+    #[error("{} cannot be written: {problem}", path.display())]
+    NotWritable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+/// What is wrong with a part of a bag; the rest has been read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BagWarning {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it, with numbers.
+    pub damage: Damage,
+}
+
+/// Kinds of damage.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Damage {
+    /// The file ends inside a record.
+    CutRecord {
+        /// Bytes that the last record lacks.
+        missing_bytes: u64,
+    },
+    /// The file ends after a whole record, but before its footer.
+    NoFooter,
+    /// Bytes that are not what they should be.
+    Corrupt {
+        /// First byte of the part.
+        at_byte: u64,
+        /// Length of the part.
+        bytes: u64,
+        /// What the reader met.
+        problem: String,
+    },
+}
+
+impl fmt::Display for BagWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.path.display();
+        match &self.damage {
+            Damage::CutRecord { missing_bytes } => write!(
+                f,
+                "{path} is truncated: at least {missing_bytes} bytes of its last record and the footer are missing; \
+                 all whole messages are used"
+            ),
+            Damage::NoFooter => {
+                write!(f, "{path} is truncated: the footer is missing; all whole messages are used")
+            }
+            Damage::Corrupt { at_byte, bytes, problem } => write!(
+                f,
+                "{path} is damaged between byte {at_byte} and byte {end}: {problem}; messages there may be lost",
+                end = at_byte + bytes
+            ),
+        }
+    }
+}

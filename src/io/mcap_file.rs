@@ -1,0 +1,181 @@
+//! One MCAP file: where its messages lie, and reading a part of it.
+
+use super::{BagError, BagWarning, Damage, bag_folder::unreadable, mcap_scan};
+use mcap::{
+    McapError,
+    records::Record,
+    sans_io::{
+        LinearReadEvent, LinearReader, LinearReaderOptions, SummaryReadEvent, SummaryReader,
+        SummaryReaderOptions,
+    },
+};
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::{self, Read, Seek, SeekFrom},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// No ROS message is longer; a damaged length must not claim memory.
+pub(super) const MAX_RECORD_BYTES: usize = 1 << 27;
+/// How much is read at once.
+const READ_BYTES: usize = 1 << 18;
+
+/// Where the messages of a file lie.
+#[derive(Debug)]
+pub(super) struct McapFile {
+    pub(super) path: PathBuf,
+    pub(super) channels: Channels,
+    pub(super) spans: Vec<Span>,
+    pub(super) warnings: Vec<BagWarning>,
+}
+
+/// Channels by id.
+pub(super) type Channels = BTreeMap<u16, Channel>;
+
+/// A topic within one file.
+#[derive(Clone, Debug)]
+pub(super) struct Channel {
+    pub(super) topic: Arc<str>,
+    pub(super) type_name: Arc<str>,
+    pub(super) encoding: Arc<str>,
+    pub(super) messages: u64,
+}
+
+/// A part of a file that consists of whole records (a chunk, or messages outside chunks) and can be read by itself;
+/// only the last one of a truncated file ends inside a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Span {
+    /// Log time of the earliest message [ns].
+    pub(super) start: u64,
+    /// Log time of the latest message [ns].
+    pub(super) end: u64,
+    /// First byte.
+    pub(super) offset: u64,
+    /// Length.
+    pub(super) bytes: u64,
+}
+
+impl McapFile {
+    /// Finds the messages by the file's index, or by reading all of it where it has none.
+    pub(super) fn open(path: &Path) -> Result<Self, BagError> {
+        let (mut file, bytes) = open(path).map_err(|source| unreadable(path, source))?;
+        let mut magic = [0; mcap::MAGIC.len()];
+        if file.read_exact(&mut magic).is_err() || magic != mcap::MAGIC {
+            return Err(BagError::NotMcap { path: path.to_owned() });
+        }
+        if let Some((channels, spans)) = indexed(&mut file, bytes) {
+            return Ok(Self { path: path.to_owned(), channels, spans, warnings: Vec::new() });
+        }
+        let scan = mcap_scan::scan(&mut file, bytes)
+            .map_err(|source| BagError::Io { path: path.to_owned(), source })?;
+        let warning = |damage| BagWarning { path: path.to_owned(), damage };
+        Ok(Self {
+            path: path.to_owned(),
+            channels: scan.channels,
+            spans: scan.spans,
+            warnings: scan.damage.into_iter().map(warning).collect(),
+        })
+    }
+}
+
+/// A file and its length.
+pub(super) fn open(path: &Path) -> io::Result<(File, u64)> {
+    let file = File::open(path)?;
+    let bytes = file.metadata()?.len();
+    Ok((file, bytes))
+}
+
+/// Hands every record of the span to `visit`, from inside chunks too.
+///
+/// # Errors
+/// When the span ends inside a record or is damaged; whole records before that have been visited.
+pub(super) fn visit_records(
+    file: &mut File,
+    span: &Span,
+    mut visit: impl FnMut(Record<'_>),
+) -> Result<(), McapError> {
+    file.seek(SeekFrom::Start(span.offset))?;
+    let mut bytes = file.take(span.bytes);
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_validate_chunk_crcs(true)
+        .with_record_length_limit(MAX_RECORD_BYTES);
+    let mut reader = LinearReader::new_with_options(options);
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let got = bytes.read(reader.insert(wanted.clamp(1, READ_BYTES)))?;
+                reader.notify_read(got);
+            }
+            LinearReadEvent::Record { opcode, data } => visit(mcap::parse_record(opcode, data)?),
+        }
+    }
+    Ok(())
+}
+
+/// Damage of a span as a warning's content.
+pub(super) fn damage(span: &Span, problem: &McapError) -> Damage {
+    Damage::Corrupt { at_byte: span.offset, bytes: span.bytes, problem: problem.to_string() }
+}
+
+/// Channels and chunks as the file's summary lists them; nothing where it has no complete one.
+fn indexed(file: &mut File, bytes: u64) -> Option<(Channels, Vec<Span>)> {
+    let summary = read_summary(file, bytes).ok()??;
+    let counts = &summary.stats.as_ref()?.channel_message_counts;
+    let channels: Channels = summary
+        .channels
+        .iter()
+        .map(|(id, channel)| {
+            let type_name = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
+            let messages = counts.get(id).copied().unwrap_or(0);
+            let encoding = &channel.message_encoding;
+            (*id, new_channel(&channel.topic, type_name, encoding, messages))
+        })
+        .collect();
+    let spans = summary.chunk_indexes.iter().map(|chunk| Span {
+        start: chunk.message_start_time,
+        end: chunk.message_end_time,
+        offset: chunk.chunk_start_offset,
+        bytes: chunk.chunk_length,
+    });
+    let spans: Vec<Span> = spans.collect();
+    let within = |span: &Span| span.offset.checked_add(span.bytes).is_some_and(|end| end <= bytes);
+    let all_counted = counts.keys().all(|id| channels.contains_key(id));
+    let has_messages = counts.values().any(|count| *count > 0);
+    let usable = spans.iter().all(within) && all_counted && (!has_messages || !spans.is_empty());
+    usable.then_some((channels, spans))
+}
+
+/// A channel, with the type's name as ROS 2 spells it.
+pub(super) fn new_channel(topic: &str, type_name: &str, encoding: &str, messages: u64) -> Channel {
+    let type_name = match type_name.split('/').collect::<Vec<_>>().as_slice() {
+        [package, name] => format!("{package}/msg/{name}"),
+        _ => type_name.to_owned(),
+    };
+    Channel {
+        topic: topic.into(),
+        type_name: type_name.into(),
+        encoding: encoding.into(),
+        messages,
+    }
+}
+
+fn read_summary(file: &mut File, bytes: u64) -> Result<Option<mcap::Summary>, McapError> {
+    let options = SummaryReaderOptions::default()
+        .with_file_size(bytes)
+        .with_record_length_limit(MAX_RECORD_BYTES);
+    let mut reader = SummaryReader::new_with_options(options);
+    while let Some(event) = reader.next_event() {
+        match event? {
+            SummaryReadEvent::ReadRequest(wanted) => {
+                let got = file.read(reader.insert(wanted.clamp(1, READ_BYTES)))?;
+                reader.notify_read(got);
+            }
+            SummaryReadEvent::SeekRequest(to) => reader.notify_seeked(file.seek(to)?),
+        }
+    }
+    Ok(reader.finish())
+}

@@ -1,0 +1,20 @@
+//! Files: bags in and out, and files that are either whole or not there.
+
+mod atomic;
+mod bag_folder;
+mod bag_input;
+mod bag_reader;
+mod bag_writer;
+mod decode;
+mod error;
+mod mcap_file;
+mod mcap_scan;
+mod roles;
+
+pub use atomic::write_atomically;
+pub use bag_input::{BagInput, InputError, Inputs};
+pub use bag_reader::{BagReader, Messages, RawMessage, Topic};
+pub use bag_writer::BagWriter;
+pub use decode::{Decoder, SkipCount, Skipped};
+pub use error::{BagError, BagWarning, Damage};
+pub use roles::{Remap, Role, RoleError, Roles};

@@ -1,0 +1,72 @@
+//! Colour images; nothing calls these unless a picture is to be drawn.
+
+use super::{
+    ConvertError,
+    compressed::{Pixels, bad, decoded_jpeg, decoded_png},
+    depth::rows,
+};
+use crate::msg::sensor_msgs::{CompressedImage, Image};
+
+/// A colour image of 8 bits a channel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RgbImage {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue of each pixel, row-major without padding.
+    pub data: Vec<u8>,
+}
+
+/// Colours of an image in `rgb8`, `bgr8`, `rgba8`, `bgra8` or `mono8`.
+///
+/// # Errors
+/// When the encoding is another one or the data does not fit the size.
+pub fn color_image(image: &Image) -> Result<RgbImage, ConvertError> {
+    // Position of red, green and blue within a pixel.
+    let (pixel_bytes, [r, g, b]) = match image.encoding.as_str() {
+        "rgb8" | "8UC3" => (3, [0, 1, 2]),
+        "bgr8" => (3, [2, 1, 0]),
+        "rgba8" => (4, [0, 1, 2]),
+        "bgra8" => (4, [2, 1, 0]),
+        "mono8" | "8UC1" => (1, [0, 0, 0]),
+        other => {
+            return Err(ConvertError::UnknownEncoding {
+                encoding: other.to_owned(),
+                known: "rgb8, bgr8, rgba8, bgra8 and mono8 for colour",
+            });
+        }
+    };
+    let mut data = Vec::with_capacity(image.data.len() / pixel_bytes * 3);
+    for row in rows(image, pixel_bytes)? {
+        data.extend(row.chunks_exact(pixel_bytes).flat_map(|p| [p[r], p[g], p[b]]));
+    }
+    Ok(RgbImage { width: image.width, height: image.height, data })
+}
+
+/// Colours of a JPEG or PNG image; the data says which it is.
+///
+/// # Errors
+/// When it is neither or does not decode.
+pub fn compressed_color_image(image: &CompressedImage) -> Result<RgbImage, ConvertError> {
+    let format = image.format.as_str();
+    let pixels = match image.data.as_slice() {
+        [0xff, 0xd8, ..] => decoded_jpeg(format, &image.data)?,
+        [0x89, b'P', b'N', b'G', ..] => decoded_png(format, &image.data)?,
+        _ => return Err(bad(format, "the data is neither JPEG nor PNG".into())),
+    };
+    Ok(rgb_of(pixels))
+}
+
+/// Three samples of 8 bits a pixel: alpha and low bytes are dropped, gray is repeated.
+fn rgb_of(pixels: Pixels) -> RgbImage {
+    let Pixels { width, height, channels, bits, data } = pixels;
+    if channels == 3 && bits == 8 {
+        return RgbImage { width, height, data };
+    }
+    let sample_bytes = usize::from(bits / 8);
+    let colors = if channels < 3 { [0, 0, 0] } else { [0, 1, 2] };
+    let pixels = data.chunks_exact(channels * sample_bytes);
+    let data = pixels.flat_map(|p| colors.map(|channel| p[channel * sample_bytes])).collect();
+    RgbImage { width, height, data }
+}

@@ -1,0 +1,147 @@
+//! PNG, JPEG and `compressedDepth` data.
+
+use super::{
+    ConvertError,
+    depth::{metres_of, millimetres_of},
+    header,
+};
+use crate::{msg::sensor_msgs::CompressedImage, perception::DepthImage, pipeline::DepthMessage};
+use std::io::Cursor;
+use zune_jpeg::{
+    JpegDecoder,
+    zune_core::{colorspace::ColorSpace, options::DecoderOptions},
+};
+
+/// No camera takes more; a damaged size must not claim memory.
+const MAX_PIXELS: u64 = 1 << 25;
+/// `compressedDepth` data begins with an `int32` format and two `float32` parameters of the quantisation.
+const DEPTH_HEADER_BYTES: usize = 12;
+
+/// A decoded picture.
+pub(super) struct Pixels {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// Samples a pixel: 1 gray, 2 gray and alpha, 3 RGB, 4 RGB and alpha.
+    pub(super) channels: usize,
+    /// 8 or 16; samples of 16 bits have the high byte first.
+    pub(super) bits: u8,
+    pub(super) data: Vec<u8>,
+}
+
+impl Pixels {
+    /// Samples of a gray picture of 16 bits.
+    pub(super) fn gray16(
+        &self,
+        format: &str,
+    ) -> Result<impl Iterator<Item = u16> + '_, ConvertError> {
+        if self.channels != 1 || self.bits != 16 {
+            let got = format!("{} channels of {} bits", self.channels, self.bits);
+            let problem = format!("depth needs one channel of 16 bits, got {got}");
+            return Err(bad(format, problem));
+        }
+        Ok(self.data.as_chunks().0.iter().map(|bytes| u16::from_be_bytes(*bytes)))
+    }
+}
+
+/// A picture from a PNG file.
+pub(super) fn decoded_png(format: &str, data: &[u8]) -> Result<Pixels, ConvertError> {
+    let problem = |e: png::DecodingError| bad(format, e.to_string());
+    let mut decoder = png::Decoder::new(Cursor::new(data));
+    // Palettes and single bits become samples of 8 bits; 16 bits stay.
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let info = decoder.read_header_info().map_err(problem)?;
+    check_size(info.width.into(), info.height.into())?;
+    let mut reader = decoder.read_info().map_err(problem)?;
+    let bytes = reader.output_buffer_size().ok_or_else(|| bad(format, "no size".into()))?;
+    let mut data = vec![0; bytes];
+    let frame = reader.next_frame(&mut data).map_err(problem)?;
+    data.truncate(frame.buffer_size());
+    Ok(Pixels {
+        width: frame.width,
+        height: frame.height,
+        channels: frame.color_type.samples(),
+        bits: if frame.bit_depth == png::BitDepth::Sixteen { 16 } else { 8 },
+        data,
+    })
+}
+
+/// A picture of three channels from a JPEG file.
+pub(super) fn decoded_jpeg(format: &str, data: &[u8]) -> Result<Pixels, ConvertError> {
+    let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
+    let mut decoder = JpegDecoder::new_with_options(Cursor::new(data), options);
+    decoder.decode_headers().map_err(|e| bad(format, e.to_string()))?;
+    let (width, height) = decoder.dimensions().unwrap_or_default();
+    check_size(width as u64, height as u64)?;
+    let data = decoder.decode().map_err(|e| bad(format, e.to_string()))?;
+    Ok(Pixels { width: width as u32, height: height as u32, channels: 3, bits: 8, data })
+}
+
+/// Depth from `compressedDepth` data: image_transport_plugins, `compressed_depth_image_transport/codec.cpp`.
+pub(super) fn compressed_depth(image: &CompressedImage) -> Result<DepthImage, ConvertError> {
+    let format = image.format.as_str();
+    if format.contains("rvl") {
+        return Err(ConvertError::UnknownEncoding {
+            encoding: format.to_owned(),
+            known: "compressedDepth with PNG",
+        });
+    }
+    let Some((head, png)) = image.data.split_first_chunk::<DEPTH_HEADER_BYTES>() else {
+        return Err(bad(format, "the data is shorter than its header of 12 bytes".into()));
+    };
+    let png = decoded_png(format, png)?;
+    let samples = png.gray16(format)?;
+    let metres = match format.split(';').next().unwrap_or_default().trim() {
+        "32FC1" => {
+            let [a, b] = [4, 8].map(|at| f32_at(head, at));
+            samples.map(|inverse| metres_of_inverse(inverse, a, b)).collect()
+        }
+        "16UC1" | "mono16" => samples.map(metres_of).collect(),
+        other => {
+            return Err(ConvertError::UnknownEncoding {
+                encoding: other.to_owned(),
+                known: "16UC1, mono16 and 32FC1 for compressedDepth",
+            });
+        }
+    };
+    Ok(DepthImage::new(png.width, png.height, metres)?)
+}
+
+/// The same depth as `compressedDepth` of `16UC1`, rounded to the millimetre.
+///
+/// # Errors
+/// When the PNG encoder refuses the image.
+pub fn compressed_depth_message(depth: &DepthMessage) -> Result<CompressedImage, ConvertError> {
+    const FORMAT: &str = "16UC1; compressedDepth";
+    let problem = |e: png::EncodingError| bad(FORMAT, e.to_string());
+    let mut data = vec![0; DEPTH_HEADER_BYTES];
+    let mut encoder = png::Encoder::new(&mut data, depth.image.width(), depth.image.height());
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    let mut writer = encoder.write_header().map_err(problem)?;
+    let samples = depth.image.metres().iter().map(|z| millimetres_of(*z));
+    let samples: Vec<u8> = samples.flat_map(u16::to_be_bytes).collect();
+    writer.write_image_data(&samples).map_err(problem)?;
+    writer.finish().map_err(problem)?;
+    let header = header(depth.stamp, &depth.frame_id);
+    Ok(CompressedImage { header, format: FORMAT.into(), data })
+}
+
+pub(super) fn bad(format: &str, problem: String) -> ConvertError {
+    ConvertError::BadCompressedImage { format: format.to_owned(), problem }
+}
+
+/// Depth of a quantised inverse depth: `inverse = a / depth + b`, and 0 where there is no reading.
+fn metres_of_inverse(inverse: u16, a: f32, b: f32) -> f32 {
+    if inverse == 0 { f32::NAN } else { a / (f32::from(inverse) - b) }
+}
+
+fn f32_at(bytes: &[u8; DEPTH_HEADER_BYTES], at: usize) -> f32 {
+    f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+}
+
+fn check_size(width: u64, height: u64) -> Result<(), ConvertError> {
+    if width.saturating_mul(height) > MAX_PIXELS {
+        return Err(ConvertError::ImageTooLarge { width, height });
+    }
+    Ok(())
+}

@@ -1,0 +1,54 @@
+//! From wire types to the core's types and back.
+
+mod camera;
+mod color;
+mod compressed;
+mod depth;
+mod detections;
+mod error;
+mod pose;
+
+pub use camera::{camera, camera_info};
+pub use color::{RgbImage, color_image, compressed_color_image};
+pub use depth::{compressed_depth_image, depth_image};
+pub use detections::{detection_array, detections};
+pub use error::ConvertError;
+pub use pose::{
+    odometry, odometry_message, pose_message, tf_message, transform_message, transforms,
+};
+
+pub use compressed::compressed_depth_message;
+pub use depth::depth_image_message;
+
+use crate::{
+    msg::{builtin_interfaces::Time, std_msgs::Header},
+    time::Stamp,
+};
+
+const NANOS_PER_SEC: i64 = 1_000_000_000;
+
+impl From<Time> for Stamp {
+    fn from(time: Time) -> Self {
+        Stamp::from_nanos(i64::from(time.sec) * NANOS_PER_SEC + i64::from(time.nanosec))
+    }
+}
+
+impl From<Stamp> for Time {
+    /// Stamps beyond the year 2038 do not fit the wire type and saturate.
+    fn from(stamp: Stamp) -> Self {
+        let nanos = stamp.as_nanos();
+        let (sec, nanosec) = (nanos.div_euclid(NANOS_PER_SEC), nanos.rem_euclid(NANOS_PER_SEC));
+        let saturated = if sec < 0 { i32::MIN } else { i32::MAX };
+        Self { sec: i32::try_from(sec).unwrap_or(saturated), nanosec: nanosec as u32 }
+    }
+}
+
+/// A header as the wire knows it.
+pub fn header(stamp: Stamp, frame_id: &str) -> Header {
+    Header { stamp: stamp.into(), frame_id: frame_id.to_owned() }
+}
+
+/// A frame's name without the leading slash that bags from ROS 1 still carry.
+fn frame(name: &str) -> String {
+    name.trim_start_matches('/').to_owned()
+}

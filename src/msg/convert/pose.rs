@@ -1,0 +1,107 @@
+//! Odometry and transforms.
+
+use super::{ConvertError, frame, header};
+use crate::{
+    geometry::Pose,
+    msg::{geometry_msgs as geometry, nav_msgs::Odometry, tf2_msgs::TFMessage},
+    pipeline::{OdometryMessage, StampedTransform},
+};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+/// A reading of the odometry. A covariance that is all zero or not finite was not filled in.
+///
+/// # Errors
+/// When the pose is not finite or its quaternion has no length.
+pub fn odometry(message: &Odometry) -> Result<OdometryMessage, ConvertError> {
+    let (frame_id, child_frame_id) =
+        (frame(&message.header.frame_id), frame(&message.child_frame_id));
+    let geometry::Pose { position: p, orientation } = message.pose.pose;
+    let Some(odom_from_base) = pose([p.x, p.y, p.z], orientation) else {
+        return Err(ConvertError::BadPose { parent: frame_id, child: child_frame_id });
+    };
+    let mut covariance = [0.0; 36];
+    covariance.copy_from_slice(message.pose.covariance.as_flattened());
+    let given = covariance.iter().any(|c| *c != 0.0) && covariance.iter().all(|c| c.is_finite());
+    Ok(OdometryMessage {
+        stamp: message.header.stamp.into(),
+        frame_id,
+        child_frame_id,
+        odom_from_base,
+        covariance: given.then_some(covariance),
+    })
+}
+
+/// The transforms of a message, and why some of them were left out.
+pub fn transforms(message: &TFMessage) -> (Vec<StampedTransform>, Vec<ConvertError>) {
+    let (mut good, mut bad) = (Vec::new(), Vec::new());
+    for transform in &message.transforms {
+        let parent = frame(&transform.header.frame_id);
+        let child = frame(&transform.child_frame_id);
+        let t = transform.transform.translation;
+        match pose([t.x, t.y, t.z], transform.transform.rotation) {
+            Some(parent_from_child) => good.push(StampedTransform {
+                stamp: transform.header.stamp.into(),
+                frame_id: parent,
+                child_frame_id: child,
+                parent_from_child,
+            }),
+            None => bad.push(ConvertError::BadPose { parent, child }),
+        }
+    }
+    (good, bad)
+}
+
+/// A reading of the odometry as the wire knows it, without velocities.
+pub fn odometry_message(reading: &OdometryMessage) -> Odometry {
+    let mut covariance = [[0.0; 6]; 6];
+    if let Some(given) = &reading.covariance {
+        covariance.as_flattened_mut().copy_from_slice(given);
+    }
+    Odometry {
+        header: header(reading.stamp, &reading.frame_id),
+        child_frame_id: reading.child_frame_id.clone(),
+        pose: geometry::PoseWithCovariance {
+            pose: pose_message(&reading.odom_from_base),
+            covariance,
+        },
+        twist: geometry::TwistWithCovariance::default(),
+    }
+}
+
+/// A message for `/tf` or `/tf_static`.
+pub fn tf_message(transforms: &[StampedTransform]) -> TFMessage {
+    TFMessage { transforms: transforms.iter().map(transform_message).collect() }
+}
+
+/// A transform as the wire knows it.
+pub fn transform_message(transform: &StampedTransform) -> geometry::TransformStamped {
+    let geometry::Pose { position: p, orientation } = pose_message(&transform.parent_from_child);
+    geometry::TransformStamped {
+        header: header(transform.stamp, &transform.frame_id),
+        child_frame_id: transform.child_frame_id.clone(),
+        transform: geometry::Transform {
+            translation: geometry::Vector3 { x: p.x, y: p.y, z: p.z },
+            rotation: orientation,
+        },
+    }
+}
+
+/// A pose as the wire knows it.
+pub fn pose_message(pose: &Pose) -> geometry::Pose {
+    let (t, q) = (pose.translation.vector, pose.rotation);
+    geometry::Pose {
+        position: geometry::Point { x: t.x, y: t.y, z: t.z },
+        orientation: geometry::Quaternion { x: q.i, y: q.j, z: q.k, w: q.w },
+    }
+}
+
+/// A pose from its parts; the quaternion may have any length but zero.
+fn pose(position: [f64; 3], q: geometry::Quaternion) -> Option<Pose> {
+    let quaternion = nalgebra::Quaternion::new(q.w, q.x, q.y, q.z);
+    let finite = position.iter().all(|v| v.is_finite()) && quaternion.norm().is_finite();
+    let rotation = UnitQuaternion::try_new(quaternion, MIN_NORM).filter(|_| finite)?;
+    Some(Pose::from_parts(Translation3::from(Vector3::from(position)), rotation))
+}
+
+/// A quaternion shorter than this was never filled in.
+const MIN_NORM: f64 = 1e-6;

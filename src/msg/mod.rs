@@ -1,0 +1,28 @@
+//! Wire types of ROS 2, a file a package, and the only conversions between them and the core.
+//!
+//! The structs mirror the `.msg` files of Humble and later field by field; `convert` turns them into the core's
+//! types, which cannot be wrong, and back.
+
+pub mod builtin_interfaces;
+pub mod geometry_msgs;
+pub mod nav_msgs;
+pub mod sensor_msgs;
+pub mod std_msgs;
+pub mod tf2_msgs;
+pub mod vision_msgs;
+pub mod visualization_msgs;
+
+pub mod cdr;
+pub mod coco;
+pub mod convert;
+mod schema;
+
+pub use schema::schema_text;
+
+use serde::{Serialize, de::DeserializeOwned};
+
+/// A ROS 2 message type.
+pub trait Message: Serialize + DeserializeOwned {
+    /// The type's name, `package/msg/Name`.
+    const TYPE: &'static str;
+}

@@ -1,0 +1,110 @@
+//! Definitions of the message types as text, as result bags carry them.
+
+/// The definition of `type_name` (`pkg/msg/Name`) followed by those of all types it is made of, in the layout of
+/// the MCAP schema encoding `ros2msg`; nothing for a type that is not known here.
+pub fn schema_text(type_name: &str) -> Option<String> {
+    let root = type_name.replace("/msg/", "/");
+    let mut text = definition(&root)?.to_owned();
+    let mut todo = parts_of(&root);
+    let mut done = vec![root];
+    while !todo.is_empty() {
+        let name = todo.remove(0);
+        if done.contains(&name) {
+            continue;
+        }
+        text.push_str(&format!("{SEPARATOR}\nMSG: {name}\n{}", definition(&name)?));
+        todo.extend(parts_of(&name));
+        done.push(name);
+    }
+    Some(text)
+}
+
+const SEPARATOR: &str =
+    "================================================================================";
+
+/// Text of the `.msg` file of `pkg/Name`.
+fn definition(name: &str) -> Option<&'static str> {
+    DEFINITIONS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+}
+
+/// `pkg/Name` of each field of `name` that is not a primitive.
+fn parts_of(name: &str) -> Vec<String> {
+    let package = name.split('/').next().unwrap_or_default();
+    let fields = definition(name).unwrap_or_default().lines().filter(|line| !line.contains('='));
+    let types = fields.filter_map(|line| line.split_whitespace().next()?.split('[').next());
+    types
+        .filter(|kind| !PRIMITIVES.contains(kind))
+        .map(|kind| if kind.contains('/') { kind.to_owned() } else { format!("{package}/{kind}") })
+        .collect()
+}
+
+/// The primitives that the definitions below use.
+const PRIMITIVES: &[&str] = &["bool", "uint8", "int32", "uint32", "float32", "float64", "string"];
+
+const DEFINITIONS: &[(&str, &str)] = &[
+    ("builtin_interfaces/Time", include_str!("../../msg/ros/builtin_interfaces/Time.msg")),
+    ("builtin_interfaces/Duration", include_str!("../../msg/ros/builtin_interfaces/Duration.msg")),
+    ("std_msgs/Header", include_str!("../../msg/ros/std_msgs/Header.msg")),
+    ("std_msgs/ColorRGBA", include_str!("../../msg/ros/std_msgs/ColorRGBA.msg")),
+    ("geometry_msgs/Point", include_str!("../../msg/ros/geometry_msgs/Point.msg")),
+    ("geometry_msgs/Vector3", include_str!("../../msg/ros/geometry_msgs/Vector3.msg")),
+    ("geometry_msgs/Quaternion", include_str!("../../msg/ros/geometry_msgs/Quaternion.msg")),
+    ("geometry_msgs/Pose", include_str!("../../msg/ros/geometry_msgs/Pose.msg")),
+    ("geometry_msgs/PoseStamped", include_str!("../../msg/ros/geometry_msgs/PoseStamped.msg")),
+    (
+        "geometry_msgs/PoseWithCovariance",
+        include_str!("../../msg/ros/geometry_msgs/PoseWithCovariance.msg"),
+    ),
+    ("geometry_msgs/Twist", include_str!("../../msg/ros/geometry_msgs/Twist.msg")),
+    (
+        "geometry_msgs/TwistWithCovariance",
+        include_str!("../../msg/ros/geometry_msgs/TwistWithCovariance.msg"),
+    ),
+    ("geometry_msgs/Transform", include_str!("../../msg/ros/geometry_msgs/Transform.msg")),
+    (
+        "geometry_msgs/TransformStamped",
+        include_str!("../../msg/ros/geometry_msgs/TransformStamped.msg"),
+    ),
+    ("sensor_msgs/Image", include_str!("../../msg/ros/sensor_msgs/Image.msg")),
+    ("sensor_msgs/CompressedImage", include_str!("../../msg/ros/sensor_msgs/CompressedImage.msg")),
+    (
+        "sensor_msgs/RegionOfInterest",
+        include_str!("../../msg/ros/sensor_msgs/RegionOfInterest.msg"),
+    ),
+    ("sensor_msgs/CameraInfo", include_str!("../../msg/ros/sensor_msgs/CameraInfo.msg")),
+    ("nav_msgs/Odometry", include_str!("../../msg/ros/nav_msgs/Odometry.msg")),
+    ("nav_msgs/Path", include_str!("../../msg/ros/nav_msgs/Path.msg")),
+    ("tf2_msgs/TFMessage", include_str!("../../msg/ros/tf2_msgs/TFMessage.msg")),
+    ("vision_msgs/Point2D", include_str!("../../msg/ros/vision_msgs/Point2D.msg")),
+    ("vision_msgs/Pose2D", include_str!("../../msg/ros/vision_msgs/Pose2D.msg")),
+    ("vision_msgs/BoundingBox2D", include_str!("../../msg/ros/vision_msgs/BoundingBox2D.msg")),
+    ("vision_msgs/BoundingBox3D", include_str!("../../msg/ros/vision_msgs/BoundingBox3D.msg")),
+    (
+        "vision_msgs/ObjectHypothesis",
+        include_str!("../../msg/ros/vision_msgs/ObjectHypothesis.msg"),
+    ),
+    (
+        "vision_msgs/ObjectHypothesisWithPose",
+        include_str!("../../msg/ros/vision_msgs/ObjectHypothesisWithPose.msg"),
+    ),
+    ("vision_msgs/Detection2D", include_str!("../../msg/ros/vision_msgs/Detection2D.msg")),
+    (
+        "vision_msgs/Detection2DArray",
+        include_str!("../../msg/ros/vision_msgs/Detection2DArray.msg"),
+    ),
+    ("vision_msgs/Detection3D", include_str!("../../msg/ros/vision_msgs/Detection3D.msg")),
+    (
+        "vision_msgs/Detection3DArray",
+        include_str!("../../msg/ros/vision_msgs/Detection3DArray.msg"),
+    ),
+    (
+        "visualization_msgs/UVCoordinate",
+        include_str!("../../msg/ros/visualization_msgs/UVCoordinate.msg"),
+    ),
+    ("visualization_msgs/MeshFile", include_str!("../../msg/ros/visualization_msgs/MeshFile.msg")),
+    ("visualization_msgs/Marker", include_str!("../../msg/ros/visualization_msgs/Marker.msg")),
+    (
+        "visualization_msgs/MarkerArray",
+        include_str!("../../msg/ros/visualization_msgs/MarkerArray.msg"),
+    ),
+];
