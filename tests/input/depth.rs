@@ -85,7 +85,8 @@ fn refusals_name_the_reason() {
         change(&mut image);
         depth_image(&image).unwrap_err()
     };
-    let cases: &[(&str, &dyn Fn(&mut Image))] = &[
+    type Change<'a> = &'a dyn Fn(&mut Image);
+    let cases: &[(&str, Change)] = &[
         ("unknown_encoding", &|image| image.encoding = "rgb8".into()),
         ("unknown_encoding", &|image| image.encoding = String::new()),
         ("size_mismatch", &|image| image.data.truncate(13)),
