@@ -387,7 +387,11 @@ fn namespace(name: &str) -> &str {
 }
 
 fn available(topics: &[Topic]) -> Vec<(String, String)> {
-    topics.iter().map(|topic| (topic.name.clone(), topic.type_name.clone())).collect()
+    let kind = |topic: &Topic| match topic.messages {
+        0 => format!("{}, no messages", topic.type_name),
+        _ => topic.type_name.clone(),
+    };
+    topics.iter().map(|topic| (topic.name.clone(), kind(topic))).collect()
 }
 
 fn listed(topics: &[(String, String)]) -> String {
