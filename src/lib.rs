@@ -9,5 +9,7 @@ pub mod mapping;
 pub mod perception;
 pub mod pipeline;
 
+pub mod cli;
+pub mod config;
 pub mod io;
 pub mod msg;
