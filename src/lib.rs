@@ -7,3 +7,4 @@ pub mod time;
 pub mod geometry;
 pub mod perception;
 pub mod pipeline;
+pub mod sim;
