@@ -185,30 +185,28 @@ impl Scene {
         }
     }
 
-    /// Adds a square floor or a piece of one.
+    /// Adds a rectangle of floor and the ceiling above it.
     pub(super) fn add_floor(&mut self, low: [f64; 2], high: [f64; 2]) {
-        let corner = |x: f64, y: f64| Point3::new(x, y, 0.0);
-        self.building.add_face(
-            [
-                corner(low[0], low[1]),
-                corner(high[0], low[1]),
-                corner(high[0], high[1]),
-                corner(low[0], high[1]),
-            ],
-            FLOOR,
-        );
+        for (z, color) in [(0.0, FLOOR), (CEILING_M, WALL)] {
+            let corners = [
+                Point3::new(low[0], low[1], z),
+                Point3::new(high[0], low[1], z),
+                Point3::new(high[0], high[1], z),
+                Point3::new(low[0], high[1], z),
+            ];
+            self.building.add_face(corners, color);
+        }
     }
 
     /// Adds a straight wall 10 cm thick centred on the segment between two points along x or y.
     pub(super) fn add_wall(&mut self, from: [f64; 2], to: [f64; 2]) {
         const HALF_THICKNESS_M: f64 = 0.05;
-        const HEIGHT_M: f64 = 2.6;
         let low =
             [from[0].min(to[0]) - HALF_THICKNESS_M, from[1].min(to[1]) - HALF_THICKNESS_M, 0.0];
         let high = [
             from[0].max(to[0]) + HALF_THICKNESS_M,
             from[1].max(to[1]) + HALF_THICKNESS_M,
-            HEIGHT_M,
+            CEILING_M,
         ];
         self.building.add_box(low, high, WALL);
     }
@@ -223,6 +221,8 @@ impl Scene {
     }
 }
 
+/// Height of all rooms [m].
+const CEILING_M: f64 = 2.6;
 const FLOOR: [u8; 3] = [186, 180, 168];
 const WALL: [u8; 3] = [214, 210, 198];
 

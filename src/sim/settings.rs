@@ -183,6 +183,8 @@ pub struct DetectorSettings {
     pub label_flicker: f64,
     /// Mean confidence of a large, unobstructed object.
     pub confidence: f64,
+    /// Confidence lost by a tiny object; fades with some thousand visible pixels.
+    pub small_object_penalty: f64,
     /// Standard deviation of the confidence.
     pub confidence_noise: f64,
     /// Detections are published so much after their image [s].
@@ -201,6 +203,7 @@ impl Default for DetectorSettings {
             false_positives_per_frame: 0.05,
             label_flicker: 0.03,
             confidence: 0.9,
+            small_object_penalty: 0.25,
             confidence_noise: 0.06,
             delay_s: 0.1,
             delay_jitter_s: 0.05,
@@ -212,8 +215,10 @@ impl Default for DetectorSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OdometrySettings {
-    /// Standard deviation of the position, in each direction, after one metre [m]; grows with its root.
-    pub translation_noise_m: f64,
+    /// Standard deviation of the distance after one metre; grows with the root of the distance.
+    pub scale_noise_m_per_root_m: f64,
+    /// Standard deviation of the position across the direction of travel after one metre; grows with its root.
+    pub slip_noise_m_per_root_m: f64,
     /// Standard deviation of the heading after one metre [rad]; grows with its root.
     pub yaw_noise_rad_per_root_m: f64,
     /// Standard deviation of the heading after turning by one radian [rad]; grows with its root.
@@ -229,7 +234,8 @@ pub struct OdometrySettings {
 impl Default for OdometrySettings {
     fn default() -> Self {
         Self {
-            translation_noise_m: 0.015,
+            scale_noise_m_per_root_m: 0.015,
+            slip_noise_m_per_root_m: 0.005,
             yaw_noise_rad_per_root_m: 0.008,
             yaw_noise_rad_per_root_rad: 0.012,
             scale_bias: 0.0,
@@ -274,13 +280,15 @@ impl SimulationSettings {
             false_positives_per_frame: 0.0,
             label_flicker: 0.0,
             confidence: 1.0,
+            small_object_penalty: 0.0,
             confidence_noise: 0.0,
             delay_s: 0.0,
             delay_jitter_s: 0.0,
             ..self.detector
         };
         self.odometry = OdometrySettings {
-            translation_noise_m: 0.0,
+            scale_noise_m_per_root_m: 0.0,
+            slip_noise_m_per_root_m: 0.0,
             yaw_noise_rad_per_root_m: 0.0,
             yaw_noise_rad_per_root_rad: 0.0,
             scale_bias: 0.0,
@@ -298,6 +306,7 @@ impl SimulationSettings {
             ("detector.miss", detector.miss),
             ("detector.label_flicker", detector.label_flicker),
             ("detector.confidence", detector.confidence),
+            ("detector.small_object_penalty", detector.small_object_penalty),
         ];
         let levels = [
             ("mount.hand_sway_m", self.mount.hand_sway_m),
@@ -313,7 +322,8 @@ impl SimulationSettings {
             ("detector.confidence_noise", detector.confidence_noise),
             ("detector.delay_s", detector.delay_s),
             ("detector.delay_jitter_s", detector.delay_jitter_s),
-            ("odometry.translation_noise_m", odometry.translation_noise_m),
+            ("odometry.scale_noise_m_per_root_m", odometry.scale_noise_m_per_root_m),
+            ("odometry.slip_noise_m_per_root_m", odometry.slip_noise_m_per_root_m),
             ("odometry.yaw_noise_rad_per_root_m", odometry.yaw_noise_rad_per_root_m),
             ("odometry.yaw_noise_rad_per_root_rad", odometry.yaw_noise_rad_per_root_rad),
             ("odometry.claimed_covariance_factor", odometry.claimed_covariance_factor),
