@@ -1,7 +1,7 @@
 //! A desk in the middle of a room.
 
 use super::{
-    desk_things as things,
+    desk_things::{self as things, Model},
     random::Random,
     scene::{Place, Routes, Scene},
 };
@@ -55,9 +55,13 @@ pub(super) fn furnish_desk(scene: &mut Scene, random: &mut Random, desk: &Place,
     let laptop = things::laptop(random);
     let beside = desk.at(side * 0.3 * width, 0.02, height, -side * 0.3);
     scene.put(laptop, beside.jittered(random, 0.04, 0.2));
-    let mut clutter = vec![things::mouse(random), things::cup(random), things::bottle(random)];
-    clutter.extend((0..random.integer(1, 2)).map(|_| things::cup(random)));
-    clutter.extend((0..random.integer(1, 3)).map(|_| things::book(random)));
+    let mouse = things::mouse(random);
+    scene.put(mouse, typing.at(0.33, 0.0, 0.0, 0.0).jittered(random, 0.02, 0.3));
+    // The largest first, while there is room.
+    let maker = |model: fn(&mut Random) -> Model, count: usize| std::iter::repeat_n(model, count);
+    let clutter = maker(things::book, random.integer(1, 3))
+        .chain(maker(things::bottle, 1))
+        .chain(maker(things::cup, random.integer(1, 3)));
     for model in clutter {
         scene.scatter(random, model, &desk.at(0.0, 0.0, height, 0.0), [0.5 * width, 0.5 * depth]);
     }

@@ -7,8 +7,11 @@
 mod desk_scene;
 mod desk_things;
 mod detector;
+mod home_scene;
+mod home_things;
 mod mesh;
 mod odometry;
+mod office_scene;
 mod random;
 mod render;
 mod scene;

@@ -3,7 +3,9 @@
 use super::{
     desk_scene::desk_scene,
     desk_things::Model,
+    home_scene::home_scene,
     mesh::Mesh,
+    office_scene::office_scene,
     random::{Purpose, Random},
     settings::SceneKind,
 };
@@ -142,7 +144,9 @@ impl Scene {
     pub fn new(kind: SceneKind, seed: u64) -> Self {
         let mut random = Random::new(seed, Purpose::Scene, 0);
         match kind {
-            SceneKind::Desk | SceneKind::Home | SceneKind::Office => desk_scene(&mut random),
+            SceneKind::Desk => desk_scene(&mut random),
+            SceneKind::Home => home_scene(&mut random),
+            SceneKind::Office => office_scene(&mut random),
         }
     }
 
@@ -157,13 +161,13 @@ impl Scene {
     pub(super) fn scatter(
         &mut self,
         random: &mut Random,
-        model: Model,
+        model: impl FnOnce(&mut Random) -> Model,
         center: &Place,
         half: [f64; 2],
     ) {
         const ATTEMPTS: usize = 80;
         let id = self.objects.len() as u32 + 1;
-        let Some(object) = SceneObject::new(id, model, &Pose::identity()) else {
+        let Some(object) = SceneObject::new(id, model(random), &Pose::identity()) else {
             return;
         };
         let radius = 0.5 * object.size.x.hypot(object.size.y);
