@@ -34,7 +34,7 @@ fn tri_mesh(mesh: &Mesh) -> TriMesh {
     TriMesh::new(vertices, mesh.triangles().to_vec()).unwrap()
 }
 
-/// Pixels of a frame as column, row, depth and the point in the world frame, one in `stride`.
+/// Every `stride`-th pixel of a frame that has a depth: its index and its point in the world frame.
 fn points(
     simulation: &Simulation,
     frame: &SimulatedFrame,
@@ -204,6 +204,31 @@ fn an_orbit_sees_every_object_of_the_desk() {
         for object in &truth.objects {
             let (label, n) = (object.label, object.observations);
             assert!(n >= 5, "seed {seed}: {label} seen {n} times");
+        }
+    }
+}
+
+#[test]
+fn a_robot_sees_the_large_objects_on_its_way() {
+    let cases: [(SceneKind, TrajectoryKind, &[&str]); 6] = [
+        (SceneKind::Desk, TrajectoryKind::Forward, &["tv", "keyboard", "chair", "dining table"]),
+        (SceneKind::Desk, TrajectoryKind::Loop, &["tv", "laptop", "chair", "dining table"]),
+        (SceneKind::Home, TrajectoryKind::Forward, &["tv", "couch", "bed", "refrigerator"]),
+        (SceneKind::Home, TrajectoryKind::Loop, &["tv", "couch", "bed", "potted plant"]),
+        (SceneKind::Office, TrajectoryKind::Forward, &["tv", "laptop", "chair", "refrigerator"]),
+        (SceneKind::Office, TrajectoryKind::Loop, &["tv", "laptop", "chair", "suitcase"]),
+    ];
+    for (scene, trajectory, labels) in cases {
+        let simulation = perfect(scene, trajectory, 1);
+        let mut truth = simulation.ground_truth();
+        // Every third frame is enough to count to five.
+        for index in (0..simulation.frame_count()).step_by(3) {
+            truth.observe(&simulation.frame(index));
+        }
+        for label in labels {
+            let of_label = truth.objects.iter().filter(|o| o.label == *label);
+            let most = of_label.map(|o| o.observations).max();
+            assert!(most >= Some(5), "{scene:?} {trajectory:?}: {label} seen {most:?} times");
         }
     }
 }

@@ -22,18 +22,27 @@ pub(super) fn desk_scene(random: &mut Random) -> Scene {
     scene.routes = Routes {
         orbit_center: Point3::new(0.0, -0.1, 0.75),
         orbit_radius: 1.75,
-        forward: [(-3.6, -1.9), (-2.2, -1.5), (-0.8, -1.7), (0.8, -1.9), (2.6, -1.4)]
+        // Aims a little beside the desk for as long as it can, then passes the chair.
+        forward: [(-4.0, -1.2), (-2.7, -1.3), (-1.5, -1.25), (-0.8, -1.75), (0.6, -1.95)]
             .map(|(x, y)| Point2::new(x, y))
             .to_vec(),
+        // Towards the desk along its middle, past it on one side, round, and the same from the other end: a
+        // circle about the desk would never show it to a camera that looks ahead.
         round: [
-            (-3.4, 0.0),
-            (-2.2, -1.7),
-            (0.0, -2.1),
-            (2.2, -1.7),
-            (3.4, 0.0),
-            (2.2, 1.7),
-            (0.0, 2.1),
-            (-2.2, 1.7),
+            (-3.1, 0.1),
+            (-2.0, -0.5),
+            (-1.0, -1.6),
+            (1.0, -1.75),
+            (2.6, -1.75),
+            (3.6, -1.3),
+            (3.7, -0.5),
+            (3.1, -0.1),
+            (2.0, 0.5),
+            (1.0, 1.35),
+            (-1.0, 1.6),
+            (-2.6, 1.7),
+            (-3.6, 1.2),
+            (-3.7, 0.5),
         ]
         .map(|(x, y)| Point2::new(x, y))
         .to_vec(),

@@ -8,11 +8,11 @@ use super::{
 use nalgebra::{Point2, Point3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Where the two rooms meet [m].
+/// Where the two rooms meet (m).
 const DIVIDER_X: f64 = 7.8;
 const EAST_X: f64 = 12.0;
 const NORTH_Y: f64 = 5.0;
-/// Centre of the dining table [m].
+/// Centre of the dining table (m).
 const TABLE: [f64; 2] = [5.6, 2.5];
 
 /// Sofa, television on a stand, refrigerator, cabinets, dining table, bed, chairs and plants.

@@ -19,7 +19,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Corners of the triangles [m].
+    /// Corners of the triangles (m).
     pub fn vertices(&self) -> &[Point3<f64>] {
         &self.vertices
     }

@@ -17,7 +17,7 @@ pub struct OdometryReading {
     pub covariance: [f64; 36],
 }
 
-/// Every direction has at least this variance [m^2, rad^2]: zeros would mean "not filled in".
+/// Every direction has at least this variance (m^2, rad^2): zeros would mean "not filled in".
 const VARIANCE_FLOOR: f64 = 1e-9;
 
 /// Readings along a true trajectory.

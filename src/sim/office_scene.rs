@@ -13,10 +13,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 const DIVIDER_X: f64 = 5.0;
 const EAST_X: f64 = 12.4;
-/// Between the rooms and the corridor [m].
+/// Between the rooms and the corridor (m).
 const CORRIDOR_Y: f64 = 4.5;
 const NORTH_Y: f64 = 6.3;
-/// Centre of the meeting table [m].
+/// Centre of the meeting table (m).
 const MEETING: [f64; 2] = [10.3, 2.25];
 
 /// A desk in each of two rooms, a meeting table in the second, a corridor with chairs to wait on.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// What a perfect camera sees: exact depth, the object and the colour at every pixel, row-major.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rendered {
-    /// Depth along the optical axis [m]; NaN where nothing is hit.
+    /// Depth along the optical axis (m); NaN where nothing is hit.
     pub depth_m: Vec<f32>,
     /// Id of the object, 0 for the building and for nothing.
     pub instances: Vec<u16>,

@@ -22,7 +22,7 @@ pub struct SceneObject {
     pub label: &'static str,
     /// `world_from_object`: the origin is the centre of the object's box, z is up and x the longer side.
     pub world_from_object: Pose,
-    /// Full extents along the object's own axes [m]: the tight box of its mesh.
+    /// Full extents along the object's own axes (m): the tight box of its mesh.
     pub size: Vector3<f64>,
     /// In the world frame.
     pub mesh: Mesh,
@@ -67,7 +67,7 @@ pub struct Scene {
     pub(super) routes: Routes,
 }
 
-/// Places for trajectories, in the world's horizontal plane [m].
+/// Places for trajectories, in the world's horizontal plane (m).
 #[derive(Clone, Debug)]
 pub(super) struct Routes {
     /// What an orbit looks at.
@@ -94,13 +94,13 @@ impl Default for Routes {
 /// Where a model is put.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    /// Horizontal position [m].
+    /// Horizontal position (m).
     pub(super) x: f64,
-    /// Horizontal position [m].
+    /// Horizontal position (m).
     pub(super) y: f64,
-    /// Height of what it stands on [m].
+    /// Height of what it stands on (m).
     pub(super) height: f64,
-    /// Heading [rad]; at 0 the front faces -y.
+    /// Heading (rad); at 0 the front faces -y.
     pub(super) yaw: f64,
 }
 
@@ -225,12 +225,12 @@ impl Scene {
     }
 }
 
-/// Height of all rooms [m].
+/// Height of all rooms (m).
 const CEILING_M: f64 = 2.6;
 const FLOOR: [u8; 3] = [186, 180, 168];
-const WALL: [u8; 3] = [214, 210, 198];
+const WALL: [u8; 3] = [176, 196, 204];
 
-/// Between things that stand side by side [m].
+/// Between things that stand side by side (m).
 const CLEARANCE_M: f64 = 0.02;
 
 /// Whether two objects' boxes stay apart, or one stands well above the other.

@@ -3,7 +3,7 @@
 use super::{random::PixelRandom, render::Rendered, settings::DepthSettings};
 use rayon::prelude::*;
 
-/// Depth readings [m] for an image `width` pixels wide seen with `focal_px`; NaN where there is none.
+/// Depth readings (m) for an image `width` pixels wide seen with `focal_px`; NaN where there is none.
 ///
 /// Every pixel draws from its own stream, so the result does not depend on the number of threads.
 pub(super) fn readings(

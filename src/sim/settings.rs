@@ -81,7 +81,7 @@ pub struct CameraSettings {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Focal length [px].
+    /// Focal length (px).
     pub focal_px: f64,
 }
 
@@ -95,15 +95,15 @@ impl Default for CameraSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MountSettings {
-    /// Height of the camera of a robot above the floor [m].
+    /// Height of the camera of a robot above the floor (m).
     pub robot_height_m: f64,
-    /// How far a robot's camera looks down [rad].
+    /// How far a robot's camera looks down (rad).
     pub robot_pitch_down_rad: f64,
-    /// Height of the camera on an orbit above the floor [m].
+    /// Height of the camera on an orbit above the floor (m).
     pub orbit_height_m: f64,
-    /// A hand that holds the camera on an orbit moves so much [m]; with more than 0 the base is not planar.
+    /// A hand that holds the camera on an orbit moves so much (m); with more than 0 the base is not planar.
     pub hand_sway_m: f64,
-    /// A hand that holds the camera on an orbit tilts so much [rad]; with more than 0 the base is not planar.
+    /// A hand that holds the camera on an orbit tilts so much (rad); with more than 0 the base is not planar.
     pub hand_sway_rad: f64,
 }
 
@@ -123,27 +123,27 @@ impl Default for MountSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DepthSettings {
-    /// Standard deviation close to the camera [m].
+    /// Standard deviation close to the camera (m).
     pub sigma_m: f64,
-    /// Growth of the standard deviation with the square of the depth beyond 0.4 m [1/m].
+    /// Growth of the standard deviation with the square of the depth beyond 0.4 m (1/m).
     pub sigma_growth_per_m: f64,
-    /// Step of the disparity [px]; 0 for none.
+    /// Step of the disparity (px); 0 for none.
     pub disparity_step_px: f64,
-    /// Distance between projector and camera [m].
+    /// Distance between projector and camera (m).
     pub baseline_m: f64,
     /// Probability that a pixel beside a depth edge has no reading.
     pub edge_dropout: f64,
-    /// Width of the band beside a depth edge [px].
+    /// Width of the band beside a depth edge (px).
     pub edge_radius_px: usize,
     /// A jump of more than this fraction of the depth is an edge.
     pub edge_jump_ratio: f64,
-    /// Readings start to drop out beyond this angle from the surface normal [rad].
+    /// Readings start to drop out beyond this angle from the surface normal (rad).
     pub grazing_from_rad: f64,
-    /// No readings beyond this angle from the surface normal [rad].
+    /// No readings beyond this angle from the surface normal (rad).
     pub grazing_to_rad: f64,
-    /// No readings nearer than this [m].
+    /// No readings nearer than this (m).
     pub min_range_m: f64,
-    /// No readings farther than this [m].
+    /// No readings farther than this (m).
     pub max_range_m: f64,
 }
 
@@ -157,8 +157,8 @@ impl Default for DepthSettings {
             edge_dropout: 0.5,
             edge_radius_px: 2,
             edge_jump_ratio: 0.03,
-            grazing_from_rad: 1.31,
-            grazing_to_rad: 1.52,
+            grazing_from_rad: 1.40,
+            grazing_to_rad: 1.54,
             min_range_m: 0.4,
             max_range_m: 5.0,
         }
@@ -171,7 +171,7 @@ impl Default for DepthSettings {
 pub struct DetectorSettings {
     /// Objects with fewer visible pixels are not seen.
     pub min_visible_pixels: usize,
-    /// Standard deviation of each side of a box [px].
+    /// Standard deviation of each side of a box (px).
     pub side_noise_px: f64,
     /// Standard deviation of each side as a fraction of the box's width or height.
     pub side_noise_ratio: f64,
@@ -187,9 +187,9 @@ pub struct DetectorSettings {
     pub small_object_penalty: f64,
     /// Standard deviation of the confidence.
     pub confidence_noise: f64,
-    /// Detections are published so much after their image [s].
+    /// Detections are published so much after their image (s).
     pub delay_s: f64,
-    /// The delay varies by up to so much [s].
+    /// The delay varies by up to so much (s).
     pub delay_jitter_s: f64,
 }
 
@@ -219,13 +219,13 @@ pub struct OdometrySettings {
     pub scale_noise_m_per_root_m: f64,
     /// Standard deviation of the position across the direction of travel after one metre; grows with its root.
     pub slip_noise_m_per_root_m: f64,
-    /// Standard deviation of the heading after one metre [rad]; grows with its root.
+    /// Standard deviation of the heading after one metre (rad); grows with its root.
     pub yaw_noise_rad_per_root_m: f64,
-    /// Standard deviation of the heading after turning by one radian [rad]; grows with its root.
+    /// Standard deviation of the heading after turning by one radian (rad); grows with its root.
     pub yaw_noise_rad_per_root_rad: f64,
     /// Distances are overestimated by this fraction; not part of the covariance that is claimed.
     pub scale_bias: f64,
-    /// Heading gained with each metre [rad/m]; not part of the covariance that is claimed.
+    /// Heading gained with each metre (rad/m); not part of the covariance that is claimed.
     pub yaw_bias_rad_per_m: f64,
     /// The covariance that is claimed is the true one times this.
     pub claimed_covariance_factor: f64,
@@ -380,8 +380,7 @@ mod tests {
         settings.detector.miss = 1.5;
         let sentence = settings.check().unwrap_err().to_string();
         assert_eq!(sentence, "detector.miss is 1.5, but has to be between 0 and 1");
-        let mut settings = SimulationSettings::default();
-        settings.frame_rate_hz = f64::NAN;
+        let settings = SimulationSettings { frame_rate_hz: f64::NAN, ..Default::default() };
         assert_eq!(settings.check().unwrap_err().name, "frame_rate_hz");
     }
 

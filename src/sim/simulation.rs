@@ -60,7 +60,7 @@ pub struct SimulatedFrame {
     pub stamp: Stamp,
     /// When the detector's boxes of this image come.
     pub detections_arrive: Stamp,
-    /// Depth readings along the optical axis [m], row-major; NaN where there is none.
+    /// Depth readings along the optical axis (m), row-major; NaN where there is none.
     pub depth_m: Vec<f32>,
     /// Red, green, blue, row-major.
     pub rgb: Vec<u8>,
@@ -95,7 +95,7 @@ pub struct TrueObject {
     pub label: &'static str,
     /// `world_from_object`: the origin is the centre of the object's box, z is up and x the longer side.
     pub world_from_object: Pose,
-    /// Full extents along the object's own axes [m].
+    /// Full extents along the object's own axes (m).
     pub size: Vector3<f64>,
     /// Frames in which a detector could see it: at least `detector.min_visible_pixels` were visible.
     pub observations: usize,

@@ -21,11 +21,11 @@ pub(super) struct Trajectory {
 }
 
 const ORBIT_FRAMES: usize = 36;
-/// Between two frames of a robot [m].
+/// Between two frames of a robot (m).
 const ROBOT_STEP_M: f64 = 0.12;
-/// Corners of a robot's way are rounded over about this distance [m].
+/// Corners of a robot's way are rounded over about this distance (m).
 const ROUNDING_M: f64 = 0.6;
-/// Spacing of the points on which a way is rounded [m].
+/// Spacing of the points on which a way is rounded (m).
 const GRAIN_M: f64 = 0.02;
 
 impl Trajectory {
