@@ -2,7 +2,6 @@
 
 use super::{random::Random, settings::DetectorSettings};
 use crate::geometry::Rect;
-use std::collections::BTreeMap;
 
 /// The visible part of an object in an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,20 +29,23 @@ pub struct SimulatedDetection {
 ///
 /// What is only one pixel wide or high has no box and is left out.
 pub fn visible_parts(instances: &[u16], width: usize) -> Vec<Visible> {
-    let mut bounds: BTreeMap<u16, ([usize; 4], usize)> = BTreeMap::new();
-    for (index, id) in instances.iter().enumerate().filter(|(_, id)| **id != 0) {
-        let (u, v) = (index % width, index / width);
-        let ([left, above, right, below], pixels) = bounds.entry(*id).or_insert(([u, v, u, v], 0));
-        (*left, *above) = ((*left).min(u), (*above).min(v));
-        (*right, *below) = ((*right).max(u), (*below).max(v));
-        *pixels += 1;
+    let count = instances.iter().max().map_or(0, |id| usize::from(*id) + 1);
+    // Sides as left, above, right, below; number of pixels.
+    let mut bounds = vec![([usize::MAX, usize::MAX, 0, 0], 0); count];
+    for (v, row) in instances.chunks(width).enumerate() {
+        for (u, id) in row.iter().enumerate().filter(|(_, id)| **id != 0) {
+            let ([left, above, right, below], pixels) = &mut bounds[usize::from(*id)];
+            (*left, *above) = ((*left).min(u), (*above).min(v));
+            (*right, *below) = ((*right).max(u), (*below).max(v));
+            *pixels += 1;
+        }
     }
-    let part = |(id, (sides, pixels)): (u16, ([usize; 4], usize))| {
+    let part = |(id, (sides, pixels)): (usize, ([usize; 4], usize))| {
         let [left, above, right, below] = sides.map(|x| x as f64);
         let rect = Rect::new(left, above, right, below)?;
-        Some(Visible { id: u32::from(id), rect, pixels })
+        Some(Visible { id: id as u32, rect, pixels })
     };
-    bounds.into_iter().filter_map(part).collect()
+    bounds.into_iter().enumerate().filter(|(_, (_, pixels))| *pixels > 0).filter_map(part).collect()
 }
 
 /// What the detector reports of an image of `size` = width, height.

@@ -88,7 +88,7 @@ impl Renderer {
             depth_m: pixels.iter().map(|p| p.depth_m).collect(),
             instances: pixels.iter().map(|p| p.instance).collect(),
             incidence_cosines: pixels.iter().map(|p| p.incidence_cosine).collect(),
-            rgb: pixels.iter().flat_map(|p| p.rgb).collect(),
+            rgb: pixels.iter().map(|p| p.rgb).collect::<Vec<_>>().into_flattened(),
         }
     }
 

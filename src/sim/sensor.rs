@@ -52,11 +52,15 @@ fn drops_out(
     settings: &DepthSettings,
     random: &mut PixelRandom,
 ) -> bool {
-    let (edge_draw, grazing_draw) = (random.unit(), random.unit());
+    if is_near_edge && random.unit() < settings.edge_dropout {
+        return true;
+    }
     let angle = f64::from(incidence_cosine.min(1.0)).acos();
+    if angle <= settings.grazing_from_rad {
+        return false;
+    }
     let ramp = (settings.grazing_to_rad - settings.grazing_from_rad).max(1e-9);
-    let grazing = ((angle - settings.grazing_from_rad) / ramp).clamp(0.0, 1.0);
-    (is_near_edge && edge_draw < settings.edge_dropout) || grazing_draw < grazing
+    random.unit() < (angle - settings.grazing_from_rad) / ramp
 }
 
 /// Whether the depth jumps between this pixel and one above, below, left or right of it.
