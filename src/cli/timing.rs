@@ -29,7 +29,7 @@ impl StageObserver for Stopwatch {
     }
 }
 
-/// Time a keyframe over a whole run [ms].
+/// Time a keyframe over a whole run (ms).
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub(super) struct KeyframeTime {
     pub(super) mean_ms: f64,
@@ -43,7 +43,7 @@ impl Stopwatch {
         self.keyframes.push((stamp, std::mem::take(&mut self.current)));
     }
 
-    /// A line a keyframe, a column a stage [ms].
+    /// A line a keyframe, a column a stage (ms).
     pub(super) fn csv(&self) -> String {
         let mut text = String::from("stamp");
         for stage in Stage::ALL {
@@ -84,7 +84,7 @@ pub(super) fn now() -> Instant {
     Instant::now()
 }
 
-/// Largest resident memory of this process so far [MB], where the system says.
+/// Largest resident memory of this process so far (MB), where the system says.
 pub(super) fn peak_memory_mb() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;

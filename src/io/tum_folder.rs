@@ -258,5 +258,5 @@ fn parse_box(line: &str) -> Option<(Detection, i64)> {
     Some((detection, instance))
 }
 
-/// Boxes belong to the image whose stamp is within this of theirs [s].
+/// Boxes belong to the image whose stamp is within this of theirs (s).
 const MAX_BOX_DISTANCE_S: f64 = 0.02;

@@ -3,7 +3,7 @@
 use crate::msg::{Message, std_msgs::Header};
 use serde::{Deserialize, Serialize};
 
-/// A point [m].
+/// A point (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Along x.
@@ -118,7 +118,7 @@ impl Message for TwistWithCovariance {
 /// A rigid transform.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transform {
-    /// Translation [m].
+    /// Translation (m).
     pub translation: Vector3,
     /// Rotation.
     pub rotation: Quaternion,

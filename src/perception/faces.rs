@@ -65,13 +65,13 @@ impl Faces {
         out
     }
 
-    /// Extent along axis 0, 1 or 2 [m]; at least a few millimetres.
+    /// Extent along axis 0, 1 or 2 (m); at least a few millimetres.
     pub(super) fn extent_m(&self, axis: usize) -> f64 {
         let [low, high] = [self.faces[2 * axis], self.faces[2 * axis + 1]];
         (high.position_m + low.position_m).max(MIN_EXTENT_M)
     }
 
-    /// Centre's coordinate along axis 0, 1 or 2 [m].
+    /// Centre's coordinate along axis 0, 1 or 2 (m).
     pub(super) fn center_m(&self, axis: usize) -> f64 {
         0.5 * (self.faces[2 * axis + 1].position_m - self.faces[2 * axis].position_m)
     }
@@ -120,7 +120,7 @@ impl Faces {
         }
     }
 
-    /// Semi-axes [m] in the order x, y, z.
+    /// Semi-axes (m) in the order x, y, z.
     pub(super) fn semi_axes_m(&self) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| 0.5 * self.extent_m(axis))
     }
@@ -259,7 +259,7 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
     }
 }
 
-/// Noise of a reading along a direction [m].
+/// Noise of a reading along a direction (m).
 fn noise_along(p: &SurfacePoint, direction: &Vector3<f64>) -> f64 {
     p.sigma_m * direction.dot(&p.at.coords).abs() / p.at.coords.norm().max(1e-6)
 }
@@ -268,15 +268,15 @@ fn noise_along(p: &SurfacePoint, direction: &Vector3<f64>) -> f64 {
 const OUTLIER_SHARE: f64 = 0.01;
 /// A face with more of the points than this within its noise is turned to the camera.
 const FACING_SHARE: f64 = 0.2;
-/// Depth of the layer of outermost points [m].
+/// Depth of the layer of outermost points (m).
 const RIM_M: f64 = 0.05;
-/// Real objects have round edges and handles [m].
+/// Real objects have round edges and handles (m).
 const MODEL_SIGMA_M: f64 = 0.01;
 const MIN_EXTENT_M: f64 = 0.005;
 const MAX_LOOKS: usize = 80;
-/// Points this near to the support plane are taken to reach it [m].
+/// Points this near to the support plane are taken to reach it (m).
 const SUPPORT_REACH_M: f64 = 0.05;
-/// A support plane under legs may be the wrong one of two: a carpet, a step [m].
+/// A support plane under legs may be the wrong one of two: a carpet, a step (m).
 const LEGS_SIGMA_M: f64 = 0.02;
 /// Objects of one class differ in size by about this share.
 const SIZE_SPREAD: f64 = 0.25;

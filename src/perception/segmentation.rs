@@ -25,11 +25,11 @@ pub struct SegmentationSettings {
     pub max_outside_box: f64,
     /// Smallest intersection over union of the box and the cluster's extent in the image.
     pub min_box_overlap: f64,
-    /// Farthest reading used [m].
+    /// Farthest reading used (m).
     pub max_range_m: f64,
-    /// Smallest height above the support plane, added to what depth noise asks for [m]; the paper's eps2 is 0.05.
+    /// Smallest height above the support plane, added to what depth noise asks for (m); the paper's eps2 is 0.05.
     pub support_margin_m: f64,
-    /// Gap that separates two clusters, added to what sampling and depth noise ask for [m].
+    /// Gap that separates two clusters, added to what sampling and depth noise ask for (m).
     pub cluster_gap_m: f64,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct SurfacePoint {
     pub(super) v: i32,
     /// In the level frame.
     pub(super) at: Point3<f64>,
-    /// Standard deviation of the reading along the viewing ray [m].
+    /// Standard deviation of the reading along the viewing ray (m).
     pub(super) sigma_m: f64,
     pub(super) normal: Option<Unit<Vector3<f64>>>,
 }
@@ -65,7 +65,7 @@ pub(super) struct SurfacePoint {
 pub(super) struct Segment<'a> {
     pub(super) points: Vec<SurfacePoint>,
     pub(super) support: Option<&'a SupportPlane>,
-    /// Distance between neighbouring samples on a surface facing the camera [m].
+    /// Distance between neighbouring samples on a surface facing the camera (m).
     pub(super) spacing_m: f64,
 }
 
@@ -255,7 +255,7 @@ fn is_part_of_object(plane: &SupportPlane, crop: &Crop) -> bool {
 
 const OWN_PLANE_SHARE: f64 = 0.7;
 
-/// How near to a plane a point counts as part of it [m].
+/// How near to a plane a point counts as part of it (m).
 fn margin_m(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationSettings) -> f64 {
     let along = plane.plane.normal.dot(&point.at.coords).abs() / point.at.coords.norm().max(1e-6);
     settings.support_margin_m + 2.0 * plane.rms_m + 2.5 * point.sigma_m * along
