@@ -50,9 +50,9 @@ pub(super) struct Channel {
 /// only the last one of a truncated file ends inside a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Span {
-    /// Log time of the earliest message [ns].
+    /// Log time of the earliest message in nanoseconds.
     pub(super) start: u64,
-    /// Log time of the latest message [ns].
+    /// Log time of the latest message in nanoseconds.
     pub(super) end: u64,
     /// First byte.
     pub(super) offset: u64,

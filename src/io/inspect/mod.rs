@@ -22,9 +22,11 @@ use std::{collections::BTreeMap, path::Path};
 
 /// Looks at a bag: what would be used, at what rate, how well stamps match and what is missing.
 ///
+/// Stamps that differ by at most `slop_s` seconds are paired, as in the replay.
+///
 /// # Errors
 /// When the bag cannot be read, or a remap does not fit. What is missing is in the report.
-pub fn inspect(path: &Path, remaps: &[Remap]) -> Result<BagReport, InputError> {
+pub fn inspect(path: &Path, remaps: &[Remap], slop_s: f64) -> Result<BagReport, InputError> {
     let bag = BagReader::open(path)?;
     let roles_error = |source| InputError::Roles { path: path.to_owned(), source };
     let (roles, missing) = Roles::assign_all(bag.topics(), remaps).map_err(roles_error)?;
@@ -43,8 +45,9 @@ pub fn inspect(path: &Path, remaps: &[Remap]) -> Result<BagReport, InputError> {
         messages: bag.message_count(),
         topics: bag.topics().to_vec(),
         streams: seen.streams(&bag, &roles),
-        detections_to_depth: seen.matching(Role::Detections, Role::Depth),
-        rgb_to_depth: seen.matching(Role::Rgb, Role::Depth),
+        slop_s,
+        detections_to_depth: seen.matching(Role::Detections, slop_s),
+        rgb_to_depth: seen.matching(Role::Rgb, slop_s),
         odometry: seen.coverage(),
         frames: seen.frames(&roles),
         roles,
@@ -128,8 +131,8 @@ impl Seen {
         .collect()
     }
 
-    fn matching(&self, of: Role, to: Role) -> Option<Matching> {
-        Matching::of(self.stamps(of), self.stamps(to))
+    fn matching(&self, role: Role, slop_s: f64) -> Option<Matching> {
+        Matching::of(self.stamps(role), self.stamps(Role::Depth), slop_s)
     }
 
     fn coverage(&self) -> Option<Coverage> {

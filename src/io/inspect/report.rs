@@ -10,7 +10,7 @@ use std::{fmt, path::PathBuf};
 pub struct BagReport {
     /// The bag.
     pub path: PathBuf,
-    /// Time from the first to the last message [s].
+    /// Time from the first to the last message in seconds.
     pub duration_s: f64,
     /// Number of messages.
     pub messages: u64,
@@ -20,6 +20,8 @@ pub struct BagReport {
     pub roles: Roles,
     /// The topics that would be used.
     pub streams: Vec<Stream>,
+    /// Largest difference between stamps that are paired, in seconds.
+    pub slop_s: f64,
     /// How the detections' stamps match those of the depth images.
     pub detections_to_depth: Option<Matching>,
     /// How the colour images' stamps match those of the depth images.
@@ -53,8 +55,8 @@ pub struct Stream {
     pub rhythm: Rhythm,
 }
 
-/// Stamps that are farther apart than this do not belong together [s].
-const FAR_S: f64 = 0.05;
+/// A part of a topic's messages without a depth image that is lost in any recording, at its ends for example.
+const USUAL_LOSS: f64 = 0.1;
 
 impl BagReport {
     /// What the numbers mean for a replay.
@@ -81,14 +83,18 @@ impl BagReport {
     }
 
     fn stamp_problem(&self, role: Role, matching: &Matching) -> Option<String> {
-        if matching.median_offset_s <= FAR_S {
+        if matching.within_slop_share >= 1.0 - USUAL_LOSS {
             return None;
         }
         let of = self.roles.topic_of(role).unwrap_or_default();
         Some(format!(
-            "half of the stamps on {of} are more than {:.3} s away from any depth image on {}: {of} must carry the \
-             stamps of the images it belongs to, from the same clock",
-            matching.median_offset_s, self.roles.depth
+            "only {:.0} % of the messages on {of} are stamped within {} s of a depth image on {} (the median is {:.3} s \
+             away): {of} must carry the stamps of the images it belongs to, from the same clock, or `sync.slop_s` must \
+             be larger",
+            100.0 * matching.within_slop_share,
+            self.slop_s,
+            self.roles.depth,
+            matching.median_offset_s
         ))
     }
 
@@ -153,12 +159,15 @@ impl BagReport {
         let pairs = [("detections", &self.detections_to_depth), ("rgb", &self.rgb_to_depth)];
         writeln!(f, "\nStamps:")?;
         for (name, matching) in pairs {
-            if let Some(Matching { exact_share, median_offset_s, max_offset_s }) = matching {
-                let exact = 100.0 * exact_share;
+            if let Some(matching) = matching {
+                let Matching { median_offset_s, max_offset_s, .. } = matching;
+                let exact = 100.0 * matching.exact_share;
+                let paired = 100.0 * matching.within_slop_share;
                 writeln!(
                     f,
-                    "  {exact:.0} % of {name} have the stamp of a depth image; the nearest is {median_offset_s:.3} s \
-                     away in the median and {max_offset_s:.3} s at most"
+                    "  {exact:.0} % of {name} have the stamp of a depth image, {paired:.0} % one within {} s; the nearest is \
+                     {median_offset_s:.3} s away in the median and {max_offset_s:.3} s at most",
+                    self.slop_s
                 )?;
             }
         }

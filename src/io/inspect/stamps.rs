@@ -8,9 +8,9 @@ use serde::Serialize;
 pub struct Rhythm {
     /// Messages a second between the first and the last stamp.
     pub rate_hz: f64,
-    /// Median time between messages [s].
+    /// Median time between messages in seconds.
     pub median_gap_s: f64,
-    /// Longest time between messages [s].
+    /// Longest time between messages in seconds.
     pub max_gap_s: f64,
     /// Times between messages that are longer than three medians.
     pub gaps: usize,
@@ -43,15 +43,17 @@ impl Rhythm {
 pub struct Matching {
     /// Part of the messages with exactly the stamp of one of the other topic, from 0 to 1.
     pub exact_share: f64,
-    /// Median distance to the nearest stamp of the other topic [s].
+    /// Part of the messages within the slop of one of the other topic, from 0 to 1.
+    pub within_slop_share: f64,
+    /// Median distance to the nearest stamp of the other topic in seconds.
     pub median_offset_s: f64,
-    /// Largest distance to the nearest stamp of the other topic [s].
+    /// Largest distance to the nearest stamp of the other topic in seconds.
     pub max_offset_s: f64,
 }
 
 impl Matching {
     /// Nothing if one of the topics has no messages.
-    pub(super) fn of(stamps: &[Stamp], others: &[Stamp]) -> Option<Self> {
+    pub(super) fn of(stamps: &[Stamp], others: &[Stamp], slop_s: f64) -> Option<Self> {
         let others = sorted(others);
         let nearest = |stamp: &Stamp| {
             let after = others.partition_point(|other| other < stamp);
@@ -61,9 +63,10 @@ impl Matching {
         let mut offsets: Vec<f64> = stamps.iter().filter_map(nearest).collect();
         offsets.sort_by(f64::total_cmp);
         let max_offset_s = *offsets.last()?;
-        let exact = offsets.iter().filter(|offset| **offset == 0.0).count();
+        let share = |count: usize| count as f64 / offsets.len() as f64;
         Some(Self {
-            exact_share: exact as f64 / offsets.len() as f64,
+            exact_share: share(offsets.partition_point(|offset| *offset == 0.0)),
+            within_slop_share: share(offsets.partition_point(|offset| *offset <= slop_s)),
             median_offset_s: median(&offsets),
             max_offset_s,
         })
