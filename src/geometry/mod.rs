@@ -17,7 +17,7 @@ mod rect;
 
 pub use camera::{Camera, CameraError, Distortion};
 pub use ellipsoid::{Ellipsoid, EllipsoidError};
-pub use outline::{Outline, OutlineError};
+pub use outline::Outline;
 pub use overlap::{OrientedBox, intersection_over_union, intersection_volume};
 pub use plane::Plane;
 pub use pose::{Pose, exp, interpolate, local, log, retract, skew, yaw_of};

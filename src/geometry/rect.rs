@@ -60,4 +60,10 @@ impl Rect {
             self.y_max.min(other.y_max),
         )
     }
+
+    /// Intersection over union.
+    pub fn overlap(&self, other: &Self) -> f64 {
+        let common = self.intersection(other).map_or(0.0, |r| r.area());
+        common / (self.area() + other.area() - common)
+    }
 }

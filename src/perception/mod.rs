@@ -1,9 +1,33 @@
 //! One RGB-D frame, no memory: from depth and a box to an ellipsoid with covariance, or the reason why not.
 //!
-//! Liao et al. 2020, section IV.
+//! Liao et al. 2020, section IV. [`estimate_object`] is the page that reads like the paper.
 
+mod classes;
+mod clustering;
 mod depth;
 mod detection;
+mod estimator;
+mod faces;
+mod fit;
+mod footprint;
+mod frame;
+mod measurement;
+mod registration;
+mod segmentation;
+mod stage;
+mod support;
+mod symmetry;
 
+pub use classes::{ClassPrior, Classes};
 pub use depth::{DepthError, DepthImage};
 pub use detection::{Detection, DetectionError};
+pub use estimator::{FitModel, FrameEstimate, PerceptionSettings, estimate_frame, estimate_object};
+pub use faces::Side;
+pub use fit::{FitReport, fit_ellipsoid, fit_probability, residual, retract_upright};
+pub use frame::{DepthNoise, Frame, Rays, Sight};
+pub use measurement::{EllipsoidMeasurement, Probability, Refused};
+pub use registration::register_depth;
+pub use segmentation::SegmentationSettings;
+pub use stage::{Stage, StageObserver};
+pub use support::{SupportPlane, SupportSettings, find_support_planes};
+pub use symmetry::{SymmetryPlane, SymmetryType};

@@ -1,8 +1,15 @@
 //! From inputs to updates: the page that reads like the paper.
 
 mod input;
+mod settings;
+mod slam;
+mod sync;
+mod transforms;
 
 pub use input::{
     CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
     StampedTransform,
 };
+pub use settings::Settings;
+pub use slam::{BoxResult, FramePose, Keyframe, ObjectSlam, Update};
+pub use sync::{Dropped, SyncSettings};

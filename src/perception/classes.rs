@@ -1,0 +1,183 @@
+//! What is known of a class of objects before one is seen.
+
+use super::SymmetryType::{self, DualPlane, None as Asymmetric, Plane};
+use crate::geometry::Outline::{self, Cuboid, Cylinder, Ellipsoid};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What the objects of a class have in common.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ClassPrior {
+    /// How they are symmetric. Liao et al. 2020, Table 1.
+    pub symmetry: SymmetryType,
+    /// What fills their extents.
+    pub outline: Outline,
+    /// Whether they stand on legs or feet that a depth camera may miss: their bottom is the support plane.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub legs: bool,
+    /// Usual extents [m]: the longer horizontal one, the shorter one, the height. Used for what was not seen, after
+    /// Ok et al. 2019.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size_m: Option<[f64; 3]>,
+}
+
+/// The table of classes, with one entry for the classes it does not list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Classes {
+    /// For a class without an entry.
+    pub unlisted: ClassPrior,
+    /// By the detector's label.
+    pub listed: BTreeMap<String, ClassPrior>,
+}
+
+impl Classes {
+    /// What is known of the objects that the detector calls `label`.
+    pub fn prior(&self, label: &str) -> ClassPrior {
+        self.listed.get(label).copied().unwrap_or(self.unlisted)
+    }
+}
+
+impl Default for Classes {
+    /// The paper's six labels and the other classes of COCO (Lin et al. 2014).
+    fn default() -> Self {
+        let mut listed = BTreeMap::new();
+        for (symmetry, outline, labels) in SHAPES {
+            for label in *labels {
+                let legs = LEGS.contains(label);
+                let size_m = SIZES.iter().find(|(name, _)| name == label).map(|(_, size)| *size);
+                let prior = ClassPrior { symmetry: *symmetry, outline: *outline, legs, size_m };
+                listed.insert((*label).to_owned(), prior);
+            }
+        }
+        Self { unlisted: ClassPrior::default(), listed }
+    }
+}
+
+/// Liao et al. 2020, Table 1, continued for the classes of COCO.
+const SHAPES: &[(SymmetryType, Outline, &[&str])] = &[
+    (
+        Plane,
+        Cuboid,
+        &[
+            "airplane",
+            "backpack",
+            "bed",
+            "bicycle",
+            "boat",
+            "bus",
+            "car",
+            "chair",
+            "couch",
+            "hair drier",
+            "laptop",
+            "microwave",
+            "motorcycle",
+            "oven",
+            "parking meter",
+            "refrigerator",
+            "scissors",
+            "sink",
+            "teddy bear",
+            "toaster",
+            "toilet",
+            "train",
+            "truck",
+        ],
+    ),
+    (
+        DualPlane,
+        Cuboid,
+        &[
+            "bench",
+            "book",
+            "cake",
+            "cell phone",
+            "dining table",
+            "hot dog",
+            "keyboard",
+            "kite",
+            "pizza",
+            "remote",
+            "sandwich",
+            "skateboard",
+            "skis",
+            "snowboard",
+            "stop sign",
+            "suitcase",
+            "surfboard",
+            "traffic light",
+            "tv",
+        ],
+    ),
+    (Plane, Cylinder, &["cup"]),
+    (DualPlane, Cylinder, &["bottle", "fire hydrant", "wine glass"]),
+    (
+        DualPlane,
+        Ellipsoid,
+        &["apple", "bowl", "clock", "donut", "frisbee", "orange", "sports ball", "vase"],
+    ),
+    (Plane, Ellipsoid, &["banana", "broccoli", "carrot", "handbag", "mouse", "tie", "umbrella"]),
+    (
+        Asymmetric,
+        Ellipsoid,
+        &[
+            "bear",
+            "bird",
+            "cat",
+            "cow",
+            "dog",
+            "elephant",
+            "giraffe",
+            "horse",
+            "person",
+            "potted plant",
+            "sheep",
+            "zebra",
+        ],
+    ),
+    (
+        Asymmetric,
+        Cuboid,
+        &[
+            "baseball bat",
+            "baseball glove",
+            "fork",
+            "knife",
+            "spoon",
+            "tennis racket",
+            "toothbrush",
+        ],
+    ),
+];
+
+const LEGS: &[&str] = &["bed", "bench", "chair", "couch", "dining table"];
+
+/// Usual extents of things found in rooms [m]: long, short, height.
+const SIZES: &[(&str, [f64; 3])] = &[
+    ("backpack", [0.35, 0.25, 0.45]),
+    ("bed", [2.0, 1.5, 0.6]),
+    ("bench", [1.2, 0.4, 0.5]),
+    ("book", [0.24, 0.17, 0.03]),
+    ("bottle", [0.07, 0.07, 0.25]),
+    ("bowl", [0.16, 0.16, 0.08]),
+    ("cell phone", [0.15, 0.07, 0.01]),
+    ("chair", [0.55, 0.5, 0.9]),
+    ("couch", [1.9, 0.9, 0.85]),
+    ("cup", [0.11, 0.08, 0.1]),
+    ("dining table", [1.5, 0.8, 0.75]),
+    ("keyboard", [0.44, 0.15, 0.03]),
+    ("laptop", [0.33, 0.25, 0.22]),
+    ("microwave", [0.48, 0.36, 0.28]),
+    ("mouse", [0.11, 0.065, 0.035]),
+    ("oven", [0.6, 0.6, 0.85]),
+    ("potted plant", [0.4, 0.4, 0.6]),
+    ("refrigerator", [0.7, 0.65, 1.7]),
+    ("sink", [0.55, 0.45, 0.2]),
+    ("suitcase", [0.6, 0.35, 0.6]),
+    ("toilet", [0.65, 0.38, 0.75]),
+    ("tv", [0.7, 0.2, 0.45]),
+    ("vase", [0.15, 0.15, 0.25]),
+    ("wine glass", [0.08, 0.08, 0.2]),
+];

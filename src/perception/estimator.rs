@@ -1,0 +1,192 @@
+//! From one box of one frame to an ellipsoid: Liao et al. 2020, section IV, on one page.
+
+use super::{
+    Classes, Detection, EllipsoidMeasurement, Frame, Probability, Refused, SupportPlane,
+    SupportSettings, SymmetryPlane, SymmetryType,
+    faces::Faces,
+    find_support_planes,
+    fit::{fit_ellipsoid, fit_probability},
+    footprint::{Heading, heading_of_faces, heading_of_rectangle},
+    segmentation::{Segment, SegmentationSettings, segment},
+    stage::{Stage, StageObserver},
+    symmetry::refine_symmetry,
+};
+use crate::geometry::{Ellipsoid, Outline};
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+
+/// Settings of the single-frame estimation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PerceptionSettings {
+    /// Support planes.
+    pub support: SupportSettings,
+    /// Cutting out an object's points.
+    pub segmentation: SegmentationSettings,
+    /// Size and place from the points.
+    pub fit: FitModel,
+    /// What is known of each class.
+    pub classes: Classes,
+}
+
+/// How size and place follow from the completed points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FitModel {
+    /// From where the object's faces are: extents without the bias of an ellipsoid laid through a cuboid.
+    #[default]
+    Faces,
+    /// The paper's least squares of eq. (7).
+    Quadric,
+}
+
+/// What one frame says.
+#[derive(Clone, Debug)]
+pub struct FrameEstimate {
+    /// Support planes in the level frame, the one with most points first.
+    pub planes: Vec<SupportPlane>,
+    /// For each detection, in order, a measurement or why not.
+    pub objects: Vec<Result<EllipsoidMeasurement, Refused>>,
+}
+
+/// Estimates an ellipsoid for every box of a frame.
+pub fn estimate_frame(
+    frame: &Frame<'_>,
+    detections: &[Detection],
+    settings: &PerceptionSettings,
+    observer: &mut dyn StageObserver,
+) -> FrameEstimate {
+    observer.enter(Some(Stage::SupportPlanes));
+    let planes = find_support_planes(frame, &settings.support);
+    let objects = detections
+        .iter()
+        .map(|detection| estimate_object(frame, &planes, detection, settings, observer))
+        .collect();
+    FrameEstimate { planes, objects }
+}
+
+/// Estimates the ellipsoid of one detected object.
+///
+/// # Errors
+/// The reason why this box gives no measurement.
+pub fn estimate_object(
+    frame: &Frame<'_>,
+    planes: &[SupportPlane],
+    detection: &Detection,
+    settings: &PerceptionSettings,
+    observer: &mut dyn StageObserver,
+) -> Result<EllipsoidMeasurement, Refused> {
+    observer.enter(Some(Stage::Segmentation));
+    let prior = settings.classes.prior(detection.label());
+    let segment = segment(frame, planes, &detection.rect, &settings.segmentation)?;
+    observer.enter(Some(Stage::Faces));
+    let heading = heading(&segment);
+    let mut faces = Faces::measure(frame, &segment, heading.yaw, &prior);
+    observer.enter(Some(Stage::Symmetry));
+    let symmetry = complete_by_symmetry(frame, &segment, prior.symmetry, &mut faces);
+    let known = faces.faces[..4].iter().filter(|f| f.side.is_known()).count();
+    if known == 0 {
+        return Err(Refused::TooLittleSeen { known });
+    }
+    observer.enter(Some(Stage::Fit));
+    let completed = completed_points(&segment, &symmetry);
+    let body = Ellipsoid::new(faces.pose(), faces.semi_axes_m());
+    let in_level = match settings.fit {
+        FitModel::Faces => body,
+        FitModel::Quadric => fit_ellipsoid(&completed, &body).ellipsoid,
+    };
+    let probability = Probability {
+        detection: detection.probability(),
+        symmetry: symmetry_probability(&symmetry, prior.symmetry),
+        fit: fit_probability(&completed, &in_level, outline_of(settings.fit, prior.outline)),
+    };
+    let camera_from_level = frame.level_from_camera().inverse();
+    Ok(EllipsoidMeasurement {
+        ellipsoid: in_level.transformed(&camera_from_level),
+        covariance: faces.covariance(yaw_sigma(&heading, &faces), TILT_SIGMA_RAD),
+        sides: faces.faces.map(|face| face.side),
+        outline: prior.outline,
+        probability,
+        symmetry: symmetry
+            .into_iter()
+            .map(|s| SymmetryPlane { plane: s.plane.transformed(&camera_from_level), ..s })
+            .collect(),
+        support: segment.support.map(|s| s.plane.transformed(&camera_from_level)),
+        points: segment.points.len(),
+    })
+}
+
+fn outline_of(fit: FitModel, outline: Outline) -> Outline {
+    match fit {
+        FitModel::Faces => outline,
+        FitModel::Quadric => Outline::Ellipsoid,
+    }
+}
+
+/// The object's heading: from its vertical faces if it has them, otherwise from its footprint.
+fn heading(segment: &Segment<'_>) -> Heading {
+    heading_of_faces(&segment.points).unwrap_or_else(|| heading_of_rectangle(&segment.points))
+}
+
+/// Yaw of a round footprint means nothing: its uncertainty grows to "any" as the sides become equal.
+fn yaw_sigma(heading: &Heading, faces: &Faces) -> f64 {
+    let (a, b) = (faces.extent_m(0), faces.extent_m(1));
+    let elongation = (a - b).abs() / a.max(b);
+    heading.sigma.hypot(0.3 * (1.0 - elongation / 0.1).max(0.0))
+}
+
+/// Looks for the mirror planes of the class and completes the faces they reveal.
+fn complete_by_symmetry(
+    frame: &Frame<'_>,
+    segment: &Segment<'_>,
+    symmetry: SymmetryType,
+    faces: &mut Faces,
+) -> Vec<SymmetryPlane> {
+    if symmetry == SymmetryType::None {
+        return Vec::new();
+    }
+    let mut found: Vec<(usize, SymmetryPlane)> = (0..2)
+        .filter_map(|axis| {
+            let angle = faces.yaw + axis as f64 * std::f64::consts::FRAC_PI_2;
+            let extent = faces.extent_m(axis);
+            refine_symmetry(frame, &segment.points, angle, faces.center_m(axis), extent)
+                .map(|plane| (axis, plane))
+        })
+        .collect();
+    if symmetry == SymmetryType::Plane {
+        found.sort_by(|a, b| {
+            let worth = |s: &SymmetryPlane| s.evidence * (s.probability - 0.5);
+            worth(&b.1).total_cmp(&worth(&a.1))
+        });
+        found.truncate(1);
+    }
+    for (axis, plane) in &found {
+        faces.complete(*axis, -plane.plane.offset, plane.sigma_m);
+    }
+    found.into_iter().map(|(_, plane)| plane).collect()
+}
+
+/// `P_sym` of the planes together; without evidence neither good nor bad.
+fn symmetry_probability(planes: &[SymmetryPlane], symmetry: SymmetryType) -> f64 {
+    if planes.is_empty() || symmetry == SymmetryType::None {
+        return UNKNOWN_SYMMETRY;
+    }
+    planes.iter().map(|s| s.probability).sum::<f64>() / planes.len() as f64
+}
+
+/// The measured points and their mirror images.
+fn completed_points(segment: &Segment<'_>, symmetry: &[SymmetryPlane]) -> Vec<Point3<f64>> {
+    let every = segment.points.len().div_ceil(MAX_FIT_POINTS).max(1);
+    let mut points: Vec<Point3<f64>> = segment.points.iter().step_by(every).map(|p| p.at).collect();
+    for s in symmetry {
+        let mirrored: Vec<_> = points.iter().map(|p| s.plane.mirrored(p)).collect();
+        points.extend(mirrored);
+    }
+    points
+}
+
+/// Classes without symmetry must not be more probable than symmetric ones.
+const UNKNOWN_SYMMETRY: f64 = 0.5;
+const MAX_FIT_POINTS: usize = 400;
+/// Objects stand upright and gravity is known to about this much [rad].
+const TILT_SIGMA_RAD: f64 = 0.02;

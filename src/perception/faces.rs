@@ -1,0 +1,284 @@
+//! Where an object ends: the six faces of its external cuboid, each with how it is known.
+//!
+//! A depth camera sees one side of an object. Every face is therefore classified by looking just beyond it: free
+//! space means that the object ends there, a surface that goes on means that the box cut it, a nearer surface
+//! means that the end is hidden. What was not seen gets little information, not wrong information.
+
+use super::{
+    ClassPrior, Frame, Sight,
+    footprint::quantile,
+    segmentation::{Segment, SurfacePoint},
+};
+use nalgebra::{Isometry3, SMatrix, Translation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// How the position of a face is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// Its edge stands out against what is behind.
+    Seen,
+    /// It rests on the support plane.
+    Support,
+    /// The mirror image of a face that was seen.
+    Mirrored,
+    /// The object goes on: cut by the box, or by another object's border.
+    Cut,
+    /// Behind the object itself, behind another one or outside the image.
+    Hidden,
+}
+
+impl Side {
+    /// Whether the face's position was measured.
+    pub fn is_known(self) -> bool {
+        matches!(self, Side::Seen | Side::Support | Side::Mirrored)
+    }
+}
+
+/// One face, by its coordinate along the outward direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    pub(super) position_m: f64,
+    pub(super) sigma_m: f64,
+    pub(super) side: Side,
+}
+
+/// The six faces in the order -x, +x, -y, +y, -z, +z of an upright frame turned by `yaw` in the level frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Faces {
+    pub(super) yaw: f64,
+    pub(super) faces: [Face; 6],
+}
+
+impl Faces {
+    /// Finds the faces of a segment whose axes are turned by `yaw`.
+    pub(super) fn measure(
+        frame: &Frame<'_>,
+        segment: &Segment<'_>,
+        yaw: f64,
+        prior: &ClassPrior,
+    ) -> Self {
+        let mut faces = std::array::from_fn(|i| measure_face(frame, segment, &(outward(yaw, i))));
+        faces[4] = bottom(segment, faces[4], prior);
+        let mut out = Self { yaw, faces };
+        out.guess_what_is_hidden(prior);
+        out
+    }
+
+    /// Extent along axis 0, 1 or 2 [m]; at least a few millimetres.
+    pub(super) fn extent_m(&self, axis: usize) -> f64 {
+        let [low, high] = [self.faces[2 * axis], self.faces[2 * axis + 1]];
+        (high.position_m + low.position_m).max(MIN_EXTENT_M)
+    }
+
+    /// Centre's coordinate along axis 0, 1 or 2 [m].
+    pub(super) fn center_m(&self, axis: usize) -> f64 {
+        0.5 * (self.faces[2 * axis + 1].position_m - self.faces[2 * axis].position_m)
+    }
+
+    /// Replaces a face that was not seen by the mirror image of the opposite one, which was, in a plane across
+    /// `axis` at coordinate `offset_m`.
+    pub(super) fn complete(&mut self, axis: usize, offset_m: f64, sigma_m: f64) {
+        let (low, high) = (self.faces[2 * axis], self.faces[2 * axis + 1]);
+        for (seen, hidden, sign) in [(low, 2 * axis + 1, 1.0), (high, 2 * axis, -1.0)] {
+            if seen.side == Side::Seen && !self.faces[hidden].side.is_known() {
+                let position_m = 2.0 * sign * offset_m + seen.position_m;
+                if position_m > self.faces[hidden].position_m - 0.05 * self.extent_m(axis) {
+                    self.faces[hidden] = Face {
+                        position_m,
+                        sigma_m: seen.sigma_m.hypot(2.0 * sigma_m),
+                        side: Side::Mirrored,
+                    };
+                }
+            }
+        }
+    }
+
+    /// Unseen faces lie somewhere beyond the last point: as far as the class's usual size asks for, or, where
+    /// that is not known, somewhat further, for objects are seldom much thinner than they are wide and high.
+    fn guess_what_is_hidden(&mut self, prior: &ClassPrior) {
+        let extents: [f64; 3] = std::array::from_fn(|axis| self.extent_m(axis));
+        let usual = prior.size_m.map(|size| usual_extents(size, &extents));
+        // The bottom is settled by what the object stands on.
+        for i in [0, 1, 2, 3, 5] {
+            let axis = i / 2;
+            let across = extents[(axis + 1) % 3].min(extents[(axis + 2) % 3]);
+            let (guess, sigma_m) = match (self.faces[i].side, usual) {
+                (Side::Seen | Side::Support | Side::Mirrored, _) => continue,
+                (_, Some(usual)) => (usual[axis] - extents[axis], SIZE_SPREAD * usual[axis]),
+                (Side::Hidden, None) => {
+                    let beyond = HIDDEN_SHARE * across.max(0.5 * extents[axis]);
+                    (beyond, 1.5 * beyond)
+                }
+                (Side::Cut, None) => (CUT_SHARE * extents[axis], 0.15 * extents[axis]),
+            };
+            let sharing =
+                self.faces[axis * 2..axis * 2 + 2].iter().filter(|f| !f.side.is_known()).count();
+            let face = &mut self.faces[i];
+            face.position_m += guess.max(0.0) / sharing.max(1) as f64;
+            face.sigma_m = face.sigma_m.hypot(sigma_m).max(0.05);
+        }
+    }
+
+    /// Semi-axes [m] in the order x, y, z.
+    pub(super) fn semi_axes_m(&self) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| 0.5 * self.extent_m(axis))
+    }
+
+    /// `level_from_object`.
+    pub(super) fn pose(&self) -> Isometry3<f64> {
+        let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.yaw);
+        let center = rotation * Vector3::from_fn(|axis, _| self.center_m(axis));
+        Isometry3::from_parts(Translation3::from(center), rotation)
+    }
+
+    /// Covariance of [rotation, translation, log semi-axes] in the object's frame.
+    ///
+    /// Centre and semi-axis are half the sum and half the difference of two faces: where only one of them
+    /// is known they are strongly correlated, and the next view of the other face settles both.
+    pub(super) fn covariance(&self, yaw_sigma: f64, tilt_sigma: f64) -> SMatrix<f64, 9, 9> {
+        let mut covariance = SMatrix::<f64, 9, 9>::zeros();
+        covariance[(0, 0)] = tilt_sigma.powi(2);
+        covariance[(1, 1)] = tilt_sigma.powi(2);
+        covariance[(2, 2)] = yaw_sigma.powi(2);
+        for axis in 0..3 {
+            let low = self.faces[2 * axis].sigma_m.powi(2);
+            let high = self.faces[2 * axis + 1].sigma_m.powi(2);
+            let semi = 0.5 * self.extent_m(axis);
+            let (t, s) = (3 + axis, 6 + axis);
+            covariance[(t, t)] = 0.25 * (low + high);
+            covariance[(s, s)] = 0.25 * (low + high) / (semi * semi);
+            covariance[(t, s)] = 0.25 * (high - low) / semi;
+            covariance[(s, t)] = covariance[(t, s)];
+        }
+        covariance
+    }
+}
+
+/// Direction out of face `i` in the level frame.
+fn outward(yaw: f64, i: usize) -> Vector3<f64> {
+    let (sin, cos) = yaw.sin_cos();
+    let axis = match i / 2 {
+        0 => Vector3::new(cos, sin, 0.0),
+        1 => Vector3::new(-sin, cos, 0.0),
+        _ => Vector3::z(),
+    };
+    if i % 2 == 0 { -axis } else { axis }
+}
+
+fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>) -> Face {
+    let mut coordinates: Vec<f64> =
+        segment.points.iter().map(|p| p.at.coords.dot(outward)).collect();
+    let last = quantile(&mut coordinates, 1.0 - OUTLIER_SHARE);
+    let mut rim: Vec<&SurfacePoint> =
+        segment.points.iter().filter(|p| p.at.coords.dot(outward) > last - RIM_M).collect();
+    let sigma = rim.iter().map(|p| noise_along(p, outward)).sum::<f64>() / rim.len() as f64;
+    // A face turned to the camera is a cloud of its own around the true position; the end of a face seen from the
+    // side is the last of its points.
+    let mut band: Vec<f64> =
+        coordinates.iter().copied().filter(|c| *c > last - 5.0 * sigma - 0.004).collect();
+    let share = band.len() as f64 / coordinates.len() as f64;
+    let (position_m, step) = if share > FACING_SHARE {
+        (quantile(&mut band, 0.5), 0.0)
+    } else {
+        (last, segment.spacing_m)
+    };
+    rim.retain(|p| p.at.coords.dot(outward) > position_m - 0.01 - 2.0 * sigma);
+    let side = what_lies_beyond(frame, &rim, outward, 2.0 * segment.spacing_m);
+    let sigma_m = (sigma.powi(2) / 4.0 + step.powi(2) + MODEL_SIGMA_M.powi(2)).sqrt();
+    Face { position_m, sigma_m, side }
+}
+
+/// Looks past the outermost points.
+fn what_lies_beyond(
+    frame: &Frame<'_>,
+    rim: &[&SurfacePoint],
+    outward: &Vector3<f64>,
+    min_step_m: f64,
+) -> Side {
+    let (mut free, mut surface, mut hidden) = (0, 0, 0);
+    let every = rim.len().div_ceil(MAX_LOOKS).max(1);
+    let looks = rim.iter().step_by(every);
+    let total = looks.len();
+    for p in looks {
+        let step = min_step_m.max(4.0 * p.sigma_m).max(0.02);
+        for reach in 1..=3 {
+            let beyond = p.at + outward * (step * f64::from(reach));
+            match frame.look_at(&beyond) {
+                Sight::Outside => break,
+                // Kinect casts shadows of missing depth beside every edge: look further.
+                Sight::NoReading => continue,
+                Sight::Measured { beyond_m } if beyond_m > 0.5 * step => free += 1,
+                Sight::Measured { beyond_m } if beyond_m > -0.5 * step => surface += 1,
+                Sight::Measured { .. } => hidden += 1,
+            }
+            break;
+        }
+    }
+    if 2 * free > total {
+        Side::Seen
+    } else if surface > hidden && 3 * surface > total {
+        Side::Cut
+    } else if 3 * free > total && free > 2 * hidden {
+        Side::Seen
+    } else {
+        Side::Hidden
+    }
+}
+
+/// The class's usual extents along the object's axes; the longer horizontal one goes with the axis that has
+/// grown nearer to it.
+fn usual_extents(size: [f64; 3], seen: &[f64; 3]) -> [f64; 3] {
+    let [long, short, height] = size;
+    let misfit = |x: f64, y: f64| (x / seen[0]).ln().abs().min((y / seen[1]).ln().abs());
+    if misfit(long, short) <= misfit(short, long) {
+        [long, short, height]
+    } else {
+        [short, long, height]
+    }
+}
+
+/// The bottom is the support plane where the points reach it, where what is between is hidden, and for classes that
+/// stand on legs too thin for a depth camera.
+fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
+    let Some(support) = segment.support else { return lowest };
+    let n = segment.points.len() as f64;
+    let center = segment.points.iter().map(|p| p.at.coords).sum::<Vector3<f64>>() / n;
+    let level = center.z - support.height_of(&center.into()) / support.plane.normal.z;
+    let sigma = segment.points.iter().map(|p| p.sigma_m).sum::<f64>() / n;
+    let gap = -lowest.position_m - level;
+    let on_plane = |sigma_m: f64, side: Side| Face { position_m: -level, sigma_m, side };
+    if gap < SUPPORT_REACH_M + 3.0 * sigma + 2.0 * segment.spacing_m {
+        return on_plane(0.004 + support.rms_m, Side::Support);
+    }
+    match lowest.side {
+        _ if prior.legs => on_plane(LEGS_SIGMA_M, Side::Support),
+        Side::Hidden => on_plane(0.3 * gap, Side::Hidden),
+        // It stands on something that is not a plane of its own, or hangs.
+        _ => lowest,
+    }
+}
+
+/// Noise of a reading along a direction [m].
+fn noise_along(p: &SurfacePoint, direction: &Vector3<f64>) -> f64 {
+    p.sigma_m * direction.dot(&p.at.coords).abs() / p.at.coords.norm().max(1e-6)
+}
+
+/// Share of the points beyond a face: what is left of flying pixels and of the background.
+const OUTLIER_SHARE: f64 = 0.01;
+/// A face with more of the points than this within its noise is turned to the camera.
+const FACING_SHARE: f64 = 0.2;
+/// Depth of the layer of outermost points [m].
+const RIM_M: f64 = 0.05;
+/// Real objects have round edges and handles [m].
+const MODEL_SIGMA_M: f64 = 0.01;
+const MIN_EXTENT_M: f64 = 0.005;
+const MAX_LOOKS: usize = 80;
+/// Points this near to the support plane are taken to reach it [m].
+const SUPPORT_REACH_M: f64 = 0.05;
+/// A support plane under legs may be the wrong one of two: a carpet, a step [m].
+const LEGS_SIGMA_M: f64 = 0.02;
+/// Objects of one class differ in size by about this share.
+const SIZE_SPREAD: f64 = 0.25;
+const HIDDEN_SHARE: f64 = 0.3;
+const CUT_SHARE: f64 = 0.1;

@@ -1,0 +1,317 @@
+//! The object's own points: box crop, support plane, Euclidean clustering.
+//!
+//! Liao et al. 2020, section IV-A, steps 1 to 4.
+
+use super::{
+    Frame, Refused,
+    clustering::euclidean_clusters,
+    support::{SupportPlane, local_normal},
+};
+use crate::geometry::Rect;
+use nalgebra::{Point3, Unit, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// How an object's points are cut out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SegmentationSettings {
+    /// Fewest points of an object, the paper's eps3, counted at full image resolution.
+    pub min_points: usize,
+    /// Most points sampled in a box.
+    pub max_points: usize,
+    /// Detectors cut objects: how much further than the box its points may reach, as a share of its sides.
+    pub box_margin: f64,
+    /// A cluster with more than this share of its points outside the box is something in front or behind.
+    pub max_outside_box: f64,
+    /// Smallest intersection over union of the box and the cluster's extent in the image.
+    pub min_box_overlap: f64,
+    /// Farthest reading used [m].
+    pub max_range_m: f64,
+    /// Smallest height above the support plane, added to what depth noise asks for [m]; the paper's eps2 is 0.05.
+    pub support_margin_m: f64,
+    /// Gap that separates two clusters, added to what sampling and depth noise ask for [m].
+    pub cluster_gap_m: f64,
+}
+
+impl Default for SegmentationSettings {
+    fn default() -> Self {
+        Self {
+            min_points: 100,
+            max_points: 2500,
+            box_margin: 0.12,
+            max_outside_box: 0.15,
+            min_box_overlap: 0.3,
+            max_range_m: 6.0,
+            support_margin_m: 0.004,
+            cluster_gap_m: 0.02,
+        }
+    }
+}
+
+/// A measured point of an object.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfacePoint {
+    pub(super) u: i32,
+    pub(super) v: i32,
+    /// In the level frame.
+    pub(super) at: Point3<f64>,
+    /// Standard deviation of the reading along the viewing ray [m].
+    pub(super) sigma_m: f64,
+    pub(super) normal: Option<Unit<Vector3<f64>>>,
+}
+
+/// An object's points and what they stand on.
+#[derive(Clone, Debug)]
+pub(super) struct Segment<'a> {
+    pub(super) points: Vec<SurfacePoint>,
+    pub(super) support: Option<&'a SupportPlane>,
+    /// Distance between neighbouring samples on a surface facing the camera [m].
+    pub(super) spacing_m: f64,
+}
+
+/// Cuts out the object in `rect`.
+pub(super) fn segment<'a>(
+    frame: &Frame<'_>,
+    planes: &'a [SupportPlane],
+    rect: &Rect,
+    settings: &SegmentationSettings,
+) -> Result<Segment<'a>, Refused> {
+    let crop = Crop::new(frame, rect, settings)?;
+    let enough = (settings.min_points / (crop.stride * crop.stride) as usize).max(12);
+    if crop.points.len() < enough {
+        return Err(Refused::TooFewPoints { got: crop.points.len(), needed: enough });
+    }
+    let others: Vec<&SupportPlane> =
+        planes.iter().filter(|plane| !is_part_of_object(plane, &crop)).collect();
+    let free: Vec<SurfacePoint> = crop
+        .points
+        .iter()
+        .filter(|p| !others.iter().any(|s| lies_on(s, p, settings)))
+        .copied()
+        .collect();
+    let first = crop.main_cluster(free, settings).ok_or(Refused::NoCluster)?;
+    let support = supporting_plane(&others, &first);
+    let above: Vec<SurfacePoint> = match support {
+        Some(plane) => first
+            .into_iter()
+            .filter(|p| plane.height_of(&p.at) > margin_m(plane, p, settings))
+            .collect(),
+        None => first,
+    };
+    let mut points = crop.main_cluster(above, settings).ok_or(Refused::NoCluster)?;
+    let outside = crop.share_outside(&points);
+    if outside > settings.max_outside_box {
+        return Err(Refused::GoesOnOutsideBox { outside });
+    }
+    let overlap = crop.agreement(&points);
+    if overlap < settings.min_box_overlap {
+        return Err(Refused::FillsTooLittle { overlap });
+    }
+    if points.len() < enough {
+        return Err(Refused::TooFewPoints { got: points.len(), needed: enough });
+    }
+    add_normals(frame, &mut points, crop.stride);
+    Ok(Segment { spacing_m: crop.spacing_m(&points), points, support })
+}
+
+/// The sampled pixels of a box.
+struct Crop {
+    points: Vec<SurfacePoint>,
+    rect: Rect,
+    stride: i32,
+    focal_px: f64,
+}
+
+impl Crop {
+    fn new(
+        frame: &Frame<'_>,
+        rect: &Rect,
+        settings: &SegmentationSettings,
+    ) -> Result<Self, Refused> {
+        let (width, height) = (frame.depth().width(), frame.depth().height());
+        let (mx, my) = (settings.box_margin * rect.width(), settings.box_margin * rect.height());
+        let inside = Rect::new(rect.x_min - mx, rect.y_min - my, rect.x_max + mx, rect.y_max + my)
+            .and_then(|r| r.clipped(width, height));
+        let (Some(inside), Some(clipped)) = (inside, rect.clipped(width, height)) else {
+            return Err(Refused::OutsideImage);
+        };
+        let stride = (clipped.area() / settings.max_points as f64).sqrt().ceil().max(1.0) as i32;
+        let mut points = Vec::new();
+        for v in (inside.y_min.ceil() as i32..=inside.y_max as i32).step_by(stride as usize) {
+            for u in (inside.x_min.ceil() as i32..=inside.x_max as i32).step_by(stride as usize) {
+                let Some(z) = frame.depth().at(u, v).map(f64::from) else { continue };
+                if z <= settings.max_range_m
+                    && !is_flying(frame, u, v)
+                    && let Some(at) = frame.point_in_level(u, v)
+                {
+                    points.push(SurfacePoint { u, v, at, sigma_m: frame.sigma_m(z), normal: None });
+                }
+            }
+        }
+        Ok(Self { points, rect: clipped, stride, focal_px: frame.camera().focal().0 })
+    }
+
+    fn spacing_m(&self, points: &[SurfacePoint]) -> f64 {
+        let range = points.iter().map(|p| p.at.coords.norm()).sum::<f64>() / points.len() as f64;
+        f64::from(self.stride) * range / self.focal_px
+    }
+
+    /// The cluster that the box is about: many points near the box's centre, few that go on outside it.
+    ///
+    /// The paper takes the cluster nearest to the 3D point at the box's centre; that point is missing or on the
+    /// wall behind for chairs with open backs, plants and dark screens, so every point votes.
+    fn main_cluster(
+        &self,
+        points: Vec<SurfacePoint>,
+        settings: &SegmentationSettings,
+    ) -> Option<Vec<SurfacePoint>> {
+        if points.is_empty() {
+            return None;
+        }
+        let sigma = points.iter().map(|p| p.sigma_m).sum::<f64>() / points.len() as f64;
+        let gap = settings.cluster_gap_m + 2.0 * self.spacing_m(&points) + 2.0 * sigma;
+        let positions: Vec<Point3<f64>> = points.iter().map(|p| p.at).collect();
+        let clusters = euclidean_clusters(&positions, gap);
+        let best = clusters.into_iter().max_by(|a, b| {
+            self.votes(&points, a).total_cmp(&self.votes(&points, b)).then(b[0].cmp(&a[0]))
+        })?;
+        Some(best.into_iter().map(|i| points[i]).collect())
+    }
+
+    fn share_outside(&self, points: &[SurfacePoint]) -> f64 {
+        let r = &self.rect;
+        let out = |p: &&SurfacePoint| {
+            let (u, v) = (f64::from(p.u), f64::from(p.v));
+            u < r.x_min || u > r.x_max || v < r.y_min || v > r.y_max
+        };
+        points.iter().filter(out).count() as f64 / points.len() as f64
+    }
+
+    /// Intersection over union of the box and the rectangle around the points.
+    fn agreement(&self, points: &[SurfacePoint]) -> f64 {
+        let (mut low, mut high) = ((i32::MAX, i32::MAX), (i32::MIN, i32::MIN));
+        for p in points {
+            low = (low.0.min(p.u), low.1.min(p.v));
+            high = (high.0.max(p.u), high.1.max(p.v));
+        }
+        let around = Rect::new(low.0.into(), low.1.into(), high.0.into(), high.1.into());
+        around.map_or(0.0, |around| self.rect.overlap(&around))
+    }
+
+    fn votes(&self, points: &[SurfacePoint], cluster: &[usize]) -> f64 {
+        let (cx, cy) = self.rect.center();
+        let (mut inside, mut outside) = (0.0, 0.0);
+        for p in cluster.iter().map(|i| &points[*i]) {
+            let dx = (f64::from(p.u) - cx) / (0.5 * self.rect.width());
+            let dy = (f64::from(p.v) - cy) / (0.5 * self.rect.height());
+            if dx.abs() <= 1.0 && dy.abs() <= 1.0 {
+                inside += (-2.0 * (dx * dx + dy * dy)).exp();
+            } else {
+                outside += 1.0;
+            }
+        }
+        let share_outside = outside / cluster.len() as f64;
+        inside * (1.0 - share_outside)
+    }
+}
+
+/// A reading between a near and a far surface is an average of both.
+fn is_flying(frame: &Frame<'_>, u: i32, v: i32) -> bool {
+    let Some(z) = frame.depth().at(u, v).map(f64::from) else { return true };
+    let jump = 0.02 + 4.0 * frame.sigma_m(z);
+    let between = |a: Option<f32>, b: Option<f32>| match (a, b) {
+        (Some(a), Some(b)) => {
+            let (a, b) = (f64::from(a) - z, f64::from(b) - z);
+            a.abs().min(b.abs()) > jump && a * b < 0.0
+        }
+        (None, None) => true,
+        _ => false,
+    };
+    let depth = frame.depth();
+    between(depth.at(u - 2, v), depth.at(u + 2, v))
+        || between(depth.at(u, v - 2), depth.at(u, v + 2))
+}
+
+/// An object's own seat, mattress or top is a horizontal plane too: one that ends where the box ends, with more of
+/// the object below it.
+fn is_part_of_object(plane: &SupportPlane, crop: &Crop) -> bool {
+    let r = &crop.rect;
+    let (mx, my) = (0.1 * r.width(), 0.1 * r.height());
+    let inside = plane
+        .inliers
+        .iter()
+        .filter(|p| {
+            let (u, v) = (f64::from(p.u), f64::from(p.v));
+            u > r.x_min - mx && u < r.x_max + mx && v > r.y_min - my && v < r.y_max + my
+        })
+        .count();
+    if (inside as f64) < OWN_PLANE_SHARE * plane.inliers.len() as f64 {
+        return false;
+    }
+    let below =
+        crop.points.iter().filter(|p| plane.height_of(&p.at) < -(0.03 + 3.0 * p.sigma_m)).count();
+    10 * below > crop.points.len()
+}
+
+const OWN_PLANE_SHARE: f64 = 0.7;
+
+/// How near to a plane a point counts as part of it [m].
+fn margin_m(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationSettings) -> f64 {
+    let along = plane.plane.normal.dot(&point.at.coords).abs() / point.at.coords.norm().max(1e-6);
+    settings.support_margin_m + 2.0 * plane.rms_m + 2.5 * point.sigma_m * along
+}
+
+/// Whether a point belongs to a plane: near it, and where the plane was seen.
+fn lies_on(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationSettings) -> bool {
+    if plane.height_of(&point.at).abs() > margin_m(plane, point, settings) {
+        return false;
+    }
+    // Inliers are in the order of the image's rows.
+    let rows = |v: i32| plane.inliers.partition_point(|p| p.v < v);
+    let window = &plane.inliers[rows(point.v - NEAR_PX)..rows(point.v + NEAR_PX + 1)];
+    window.iter().any(|p| (p.u - point.u).abs() <= NEAR_PX)
+}
+
+const NEAR_PX: i32 = 10;
+
+/// The highest plane that the cluster stands on: below its centre, next to it, and with nothing of it underneath.
+fn supporting_plane<'a>(
+    planes: &[&'a SupportPlane],
+    cluster: &[SurfacePoint],
+) -> Option<&'a SupportPlane> {
+    let center = cluster.iter().map(|p| p.at.coords).sum::<Vector3<f64>>() / cluster.len() as f64;
+    let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
+    for p in cluster {
+        (low, high) = (low.inf(&p.at.coords), high.sup(&p.at.coords));
+    }
+    let lowest =
+        planes.iter().map(|plane| plane.height_of(&center.into())).fold(f64::MIN, f64::max);
+    let stands_on = |plane: &SupportPlane| {
+        let below =
+            cluster.iter().filter(|p| plane.height_of(&p.at) < -(0.02 + 3.0 * p.sigma_m)).count();
+        if 20 * below > cluster.len() {
+            return false;
+        }
+        // The floor reaches everywhere; a table top only as far as it was seen.
+        plane.height_of(&center.into()) == lowest
+            || plane.inliers.iter().any(|p| {
+                let outside = (low - p.at.coords).sup(&(p.at.coords - high)).sup(&Vector3::zeros());
+                outside.xy().norm() < 0.15
+            })
+    };
+    planes
+        .iter()
+        .filter(|plane| plane.height_of(&center.into()) > 0.0 && stands_on(plane))
+        .min_by(|a, b| a.height_of(&center.into()).total_cmp(&b.height_of(&center.into())))
+        .copied()
+}
+
+fn add_normals(frame: &Frame<'_>, points: &mut [SurfacePoint], stride: i32) {
+    let (focal, _) = frame.camera().focal();
+    for p in points {
+        let range = p.at.coords.norm();
+        let wanted = 0.015_f64.max(5.0 * p.sigma_m) * focal / range;
+        let step = (wanted as i32).clamp(2, 16).max(stride);
+        p.normal = local_normal(frame, p.u, p.v, step);
+    }
+}

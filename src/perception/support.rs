@@ -1,0 +1,251 @@
+//! Support planes: horizontal surfaces that objects stand on.
+//!
+//! Liao et al. 2020, section IV-A, after Zhang et al. 2019: RANSAC with a gravity prior. Several planes at several
+//! heights are kept: floor, table tops, shelves.
+
+use super::Frame;
+use crate::geometry::Plane;
+use nalgebra::{Matrix3, Point3, SymmetricEigen, Unit, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+/// How support planes are found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SupportSettings {
+    /// Largest angle between a plane's normal and gravity, the paper's eps0 [deg].
+    pub max_tilt_deg: f64,
+    /// Fewest points on a plane, the paper's eps1, counted at full image resolution.
+    pub min_points: usize,
+    /// Most planes in one frame.
+    pub max_planes: usize,
+    /// Every how many pixels a point is taken, in both directions.
+    pub stride_px: u32,
+    /// RANSAC hypotheses a plane.
+    pub hypotheses: usize,
+    /// Calibration error of the depth camera: planes are bent by about this much [m].
+    pub flatness_m: f64,
+}
+
+impl Default for SupportSettings {
+    fn default() -> Self {
+        Self {
+            max_tilt_deg: 10.0,
+            min_points: 200,
+            max_planes: 6,
+            stride_px: 4,
+            hypotheses: 60,
+            flatness_m: 0.004,
+        }
+    }
+}
+
+/// A horizontal surface seen in one frame.
+#[derive(Clone, Debug)]
+pub struct SupportPlane {
+    /// The plane in the level frame; its normal points up.
+    pub plane: Plane,
+    /// Points on it, counted at full image resolution.
+    pub points: usize,
+    /// Root mean square distance of its points [m].
+    pub rms_m: f64,
+    /// Points on it in the level frame, one each `stride_px` pixels, with their pixels.
+    pub(super) inliers: Vec<GridPoint>,
+}
+
+impl SupportPlane {
+    /// Height of a point above the plane [m].
+    pub fn height_of(&self, point_in_level: &Point3<f64>) -> f64 {
+        self.plane.signed_distance(point_in_level)
+    }
+
+    /// Points on the plane in the level frame.
+    pub fn points_in_level(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
+        self.inliers.iter().map(|p| p.at)
+    }
+}
+
+/// A sampled point with its pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GridPoint {
+    pub(super) u: i32,
+    pub(super) v: i32,
+    pub(super) at: Point3<f64>,
+    /// Standard deviation of the reading along the viewing ray [m].
+    pub(super) sigma_m: f64,
+}
+
+/// Finds the support planes of a frame, the one with most points first.
+pub fn find_support_planes(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<SupportPlane> {
+    let mut candidates = horizontal_points(frame, settings);
+    let per_point = (settings.stride_px * settings.stride_px) as usize;
+    let enough = (settings.min_points / per_point).max(6);
+    let mut rng = ChaCha8Rng::seed_from_u64(0);
+    let mut planes: Vec<SupportPlane> = Vec::new();
+    while planes.len() < settings.max_planes && candidates.len() >= enough {
+        let Some(hypothesis) = best_hypothesis(&candidates, settings, &mut rng) else { break };
+        let refined = refine(&hypothesis, &candidates, settings);
+        let band = |p: &GridPoint, plane: &Plane, factor: f64| {
+            plane.signed_distance(&p.at).abs() < factor * tolerance(p, plane, settings)
+        };
+        let plane = refined.unwrap_or(hypothesis);
+        let (inliers, rest): (Vec<_>, Vec<_>) =
+            candidates.iter().partition(|p| band(p, &plane, 1.0));
+        let found = inliers.len();
+        if found >= enough && refined.is_some() && !repeats(&planes, &inliers) {
+            let sum: f64 = inliers.iter().map(|p| plane.signed_distance(&p.at).powi(2)).sum();
+            planes.push(SupportPlane {
+                plane,
+                points: found * per_point,
+                rms_m: (sum / found as f64).sqrt(),
+                inliers,
+            });
+        }
+        // What lies just outside the band is the same surface's tail, not another surface.
+        let left: Vec<_> = rest.into_iter().filter(|p| !band(p, &plane, 2.0)).collect();
+        if left.len() + enough > candidates.len() {
+            break;
+        }
+        candidates = left;
+    }
+    planes
+}
+
+/// Three standard deviations of a point's distance from `plane`: noise acts along the ray, so grazing views
+/// are less noisy across the plane.
+fn tolerance(point: &GridPoint, plane: &Plane, settings: &SupportSettings) -> f64 {
+    let along = plane.normal.dot(&point.at.coords).abs() / point.at.coords.norm().max(1e-6);
+    3.0 * (point.sigma_m * along).hypot(settings.flatness_m)
+}
+
+/// Sampled points whose local surface is roughly horizontal.
+fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridPoint> {
+    let (width, height) = (frame.depth().width() as i32, frame.depth().height() as i32);
+    let (focal, _) = frame.camera().focal();
+    let stride = settings.stride_px.max(1) as i32;
+    // Normals are noisier than planes: the candidate test is wide, the plane test is exact.
+    let min_up = (2.5 * settings.max_tilt_deg).to_radians().cos();
+    let mut out = Vec::new();
+    for v in (stride / 2..height).step_by(stride as usize) {
+        for u in (stride / 2..width).step_by(stride as usize) {
+            let Some(z) = frame.depth().at(u, v) else { continue };
+            let z = f64::from(z);
+            let sigma_m = frame.sigma_m(z);
+            let baseline_px = ((0.02_f64).max(6.0 * sigma_m) * focal / z).clamp(3.0, 24.0) as i32;
+            let Some(normal) = local_normal(frame, u, v, baseline_px) else { continue };
+            if normal.z >= min_up
+                && let Some(at) = frame.point_in_level(u, v)
+            {
+                out.push(GridPoint { u, v, at, sigma_m });
+            }
+        }
+    }
+    out
+}
+
+/// Normal of the surface at a pixel from its neighbours `step` pixels away, pointing to the camera's side.
+pub(super) fn local_normal(
+    frame: &Frame<'_>,
+    u: i32,
+    v: i32,
+    step: i32,
+) -> Option<Unit<Vector3<f64>>> {
+    let right = frame.point_in_level(u + step, v)?;
+    let left = frame.point_in_level(u - step, v)?;
+    let below = frame.point_in_level(u, v + step)?;
+    let above = frame.point_in_level(u, v - step)?;
+    let here = frame.point_in_level(u, v)?;
+    // A depth edge between the neighbours is not a surface.
+    let bent = |a: &Point3<f64>, b: &Point3<f64>| {
+        let middle = nalgebra::center(a, b);
+        (middle - here).norm() > 0.35 * (a - b).norm()
+    };
+    if bent(&right, &left) || bent(&below, &above) {
+        return None;
+    }
+    let normal = Unit::try_new((below - above).cross(&(right - left)), 1e-9)?;
+    Some(if normal.dot(&here.coords) > 0.0 { -normal } else { normal })
+}
+
+/// The hypothesis with most inliers: planes through three points, and level planes through one.
+fn best_hypothesis(
+    candidates: &[GridPoint],
+    settings: &SupportSettings,
+    rng: &mut ChaCha8Rng,
+) -> Option<Plane> {
+    let scored: Vec<&GridPoint> =
+        candidates.iter().step_by(candidates.len().div_ceil(MAX_SCORED)).collect();
+    let min_up = settings.max_tilt_deg.to_radians().cos();
+    let mut best: Option<(usize, Plane)> = None;
+    for round in 0..settings.hypotheses {
+        let mut draw = || candidates[rng.random_range(0..candidates.len())].at;
+        let a = draw();
+        let plane = if round % 2 == 0 {
+            Some(Plane::through(&a, Vector3::z_axis()))
+        } else {
+            plane_through(&a, &draw(), &draw()).filter(|plane| plane.normal.z >= min_up)
+        };
+        let Some(plane) = plane else { continue };
+        let score = scored
+            .iter()
+            .filter(|p| plane.signed_distance(&p.at).abs() < tolerance(p, &plane, settings))
+            .count();
+        if best.is_none_or(|(most, _)| score > most) {
+            best = Some((score, plane));
+        }
+    }
+    best.map(|(_, plane)| plane)
+}
+
+const MAX_SCORED: usize = 2000;
+
+fn plane_through(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>) -> Option<Plane> {
+    let normal = Unit::try_new((b - a).cross(&(c - a)), 1e-6)?;
+    Some(Plane::through(a, if normal.z < 0.0 { -normal } else { normal }))
+}
+
+/// Total least squares on the inliers, repeated while they change; nothing if the plane tips over.
+fn refine(start: &Plane, candidates: &[GridPoint], settings: &SupportSettings) -> Option<Plane> {
+    let min_up = settings.max_tilt_deg.to_radians().cos();
+    let mut plane = *start;
+    for factor in [3.0, 2.0, 1.0, 1.0] {
+        let near: Vec<Point3<f64>> = candidates
+            .iter()
+            .filter(|p| {
+                plane.signed_distance(&p.at).abs() < factor * tolerance(p, &plane, settings)
+            })
+            .map(|p| p.at)
+            .collect();
+        plane = least_squares_plane(&near)?;
+        if plane.normal.z < min_up {
+            return None;
+        }
+    }
+    Some(plane)
+}
+
+fn least_squares_plane(points: &[Point3<f64>]) -> Option<Plane> {
+    if points.len() < 3 {
+        return None;
+    }
+    let center = points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / points.len() as f64;
+    let scatter: Matrix3<f64> =
+        points.iter().map(|p| (p.coords - center) * (p.coords - center).transpose()).sum();
+    let eigen = SymmetricEigen::new(scatter);
+    let thinnest: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
+    let normal = Unit::try_new(thinnest, 1e-9)?;
+    Some(Plane::through(&center.into(), if normal.z < 0.0 { -normal } else { normal }))
+}
+
+/// Whether most of the points lie within a few centimetres of a plane that is already known: a bent depth image
+/// makes one floor look like two.
+fn repeats(planes: &[SupportPlane], inliers: &[GridPoint]) -> bool {
+    planes.iter().any(|known| {
+        let near = inliers.iter().filter(|p| known.height_of(&p.at).abs() < SAME_PLANE_M).count();
+        2 * near > inliers.len()
+    })
+}
+
+/// Two surfaces nearer than this are one [m].
+const SAME_PLANE_M: f64 = 0.025;

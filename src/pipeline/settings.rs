@@ -1,0 +1,22 @@
+//! All settings of the method.
+
+use super::SyncSettings;
+use crate::{
+    mapping::MappingSettings,
+    perception::{DepthNoise, PerceptionSettings},
+};
+use serde::{Deserialize, Serialize};
+
+/// All settings of the method, a section a part.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Pairing of messages.
+    pub sync: SyncSettings,
+    /// The depth sensor.
+    pub depth_noise: DepthNoise,
+    /// Single-frame estimation.
+    pub perception: PerceptionSettings,
+    /// Association and fusion.
+    pub mapping: MappingSettings,
+}

@@ -1,0 +1,356 @@
+//! Pairs what belongs together: depth, boxes, calibration and pose of one moment.
+//!
+//! Boxes come later than the image they were found in, with that image's stamp. Exact stamps are paired first, the
+//! nearest within a slop otherwise; the pose is interpolated at the image's stamp.
+
+use super::{
+    CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
+    transforms::{History, Outside, TransformError, Transforms},
+};
+use crate::{geometry::Pose, perception::Detection, time::Stamp};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// How messages are paired.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SyncSettings {
+    /// Largest difference between the stamps of boxes and depth [s].
+    pub slop_s: f64,
+    /// How long a depth image waits for its boxes, in the data's time [s].
+    pub max_delay_s: f64,
+    /// Most depth images that wait at once.
+    pub max_waiting: usize,
+    /// Fixed frame of the odometry, used where it comes from TF and not from `nav_msgs/Odometry`.
+    pub odom_frame: String,
+    /// Base frame, used likewise; empty: the camera's own.
+    pub base_frame: String,
+}
+
+impl Default for SyncSettings {
+    fn default() -> Self {
+        Self {
+            slop_s: 0.02,
+            max_delay_s: 1.0,
+            max_waiting: 40,
+            odom_frame: "odom".into(),
+            base_frame: "base_link".into(),
+        }
+    }
+}
+
+/// All that belongs to one depth image.
+#[derive(Clone, Debug)]
+pub(super) struct Moment {
+    pub(super) depth: DepthMessage,
+    /// Boxes, if the detector looked at this image.
+    pub(super) detections: Option<Vec<Detection>>,
+    pub(super) color: CameraMessage,
+    /// The depth camera and `color_from_depth`, where depth has to be registered.
+    pub(super) registration: Option<(CameraMessage, Pose)>,
+    pub(super) odom_from_base: Pose,
+    pub(super) base_from_camera: Pose,
+}
+
+/// A message that could not be used.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dropped {
+    /// Stamp of the message.
+    pub stamp: Stamp,
+    /// A short key for counting.
+    pub reason: &'static str,
+    /// What happened, as a sentence with the names of topics or frames.
+    pub why: String,
+}
+
+/// The waiting room.
+#[derive(Debug)]
+pub(super) struct Sync {
+    settings: SyncSettings,
+    depth: VecDeque<DepthMessage>,
+    detections: VecDeque<DetectionsMessage>,
+    color: Option<CameraMessage>,
+    depth_camera: Option<CameraMessage>,
+    odometry: Option<Odometry>,
+    transforms: Transforms,
+    newest: Option<Stamp>,
+}
+
+#[derive(Debug)]
+struct Odometry {
+    frame_id: String,
+    child_frame_id: String,
+    history: History,
+}
+
+impl Sync {
+    pub(super) fn new(settings: SyncSettings) -> Self {
+        Self {
+            settings,
+            depth: VecDeque::new(),
+            detections: VecDeque::new(),
+            color: None,
+            depth_camera: None,
+            odometry: None,
+            transforms: Transforms::default(),
+            newest: None,
+        }
+    }
+
+    /// The odometry's fixed frame and the base frame, as far as known.
+    pub(super) fn frames(&self) -> (&str, &str) {
+        match &self.odometry {
+            Some(odometry) => (&odometry.frame_id, &odometry.child_frame_id),
+            None => (&self.settings.odom_frame, self.base_frame()),
+        }
+    }
+
+    /// Takes a message in; what it is good for shows in [`Sync::next`].
+    pub(super) fn push(&mut self, input: Input, dropped: &mut Vec<Dropped>) {
+        match input {
+            Input::Depth(depth) => self.push_depth(depth, dropped),
+            Input::Camera(camera) => match camera.role {
+                CameraRole::Color => self.color = Some(camera),
+                CameraRole::Depth => self.depth_camera = Some(camera),
+            },
+            Input::Odometry(odometry) => self.push_odometry(odometry),
+            Input::Transforms { is_static, transforms } => {
+                for transform in &transforms {
+                    self.transforms.insert(transform, is_static);
+                }
+            }
+            Input::Detections(detections) => self.detections.push_back(detections),
+        }
+    }
+
+    fn push_depth(&mut self, depth: DepthMessage, dropped: &mut Vec<Dropped>) {
+        if let Some(newest) = self.newest
+            && depth.stamp <= newest
+        {
+            let back = newest.seconds_since(depth.stamp);
+            if back < MAX_STEP_BACK_S {
+                dropped.push(Dropped {
+                    stamp: depth.stamp,
+                    reason: "stamp_goes_back",
+                    why: format!("a depth image is {back:.3} s older than the one before it"),
+                });
+                return;
+            }
+            // The clock jumped: a bag was restarted, or the time was set. Nothing that waits belongs to the new time.
+            self.forget(dropped);
+        }
+        self.newest = Some(depth.stamp);
+        self.depth.push_back(depth);
+    }
+
+    fn forget(&mut self, dropped: &mut Vec<Dropped>) {
+        for depth in self.depth.drain(..) {
+            dropped.push(Dropped {
+                stamp: depth.stamp,
+                reason: "clock_jumped",
+                why: "the stamps jumped back while this depth image was waiting".into(),
+            });
+        }
+        self.detections.clear();
+        if let Some(odometry) = &mut self.odometry {
+            odometry.history = History::changing();
+        }
+    }
+
+    fn push_odometry(&mut self, message: OdometryMessage) {
+        let odometry = self.odometry.get_or_insert_with(|| Odometry {
+            frame_id: message.frame_id.clone(),
+            child_frame_id: message.child_frame_id.clone(),
+            history: History::changing(),
+        });
+        odometry.history.push(message.stamp, message.odom_from_base);
+    }
+
+    /// The next depth image for which nothing more is to be waited for. With `last`, nothing more will come.
+    pub(super) fn next(&mut self, last: bool, dropped: &mut Vec<Dropped>) -> Option<Moment> {
+        loop {
+            let stamp = self.depth.front()?.stamp;
+            let waited = self.newest.map_or(0.0, |newest| newest.seconds_since(stamp));
+            let give_up = last
+                || waited > self.settings.max_delay_s
+                || self.depth.len() > self.settings.max_waiting;
+            let boxes = self.boxes_of_front(give_up);
+            if boxes == Boxes::Wait {
+                return None;
+            }
+            match self.poses_at(stamp) {
+                Err(Unknown { early: true, .. }) if !give_up => return None,
+                Err(unknown) => {
+                    self.depth.pop_front();
+                    self.take_boxes(&boxes);
+                    let Unknown { reason, why, .. } = unknown;
+                    dropped.push(Dropped { stamp, reason, why });
+                }
+                Ok(poses) => {
+                    let depth = self.depth.pop_front()?;
+                    let detections = self.take_boxes(&boxes);
+                    return Some(Moment {
+                        depth,
+                        detections,
+                        color: poses.color,
+                        registration: poses.registration,
+                        odom_from_base: poses.odom_from_base,
+                        base_from_camera: poses.base_from_camera,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Boxes for which no depth image came, when nothing more will come.
+    pub(super) fn leftovers(&mut self) -> Vec<Dropped> {
+        self.detections.drain(..).map(|d| without_depth(&d)).collect()
+    }
+
+    /// Which detections belong to the oldest depth image.
+    fn boxes_of_front(&self, give_up: bool) -> Boxes {
+        let Some(front) = self.depth.front() else { return Boxes::Wait };
+        if let Some(exact) = self.detections.iter().position(|d| d.stamp == front.stamp) {
+            return Boxes::At(exact);
+        }
+        let distance = |a: Stamp, b: Stamp| a.seconds_since(b).abs();
+        let nearest = (0..self.detections.len()).min_by(|a, b| {
+            distance(self.detections[*a].stamp, front.stamp)
+                .total_cmp(&distance(self.detections[*b].stamp, front.stamp))
+        });
+        if let Some(at) = nearest {
+            let stamp = self.detections[at].stamp;
+            let mine = distance(stamp, front.stamp);
+            if mine <= self.settings.slop_s {
+                // Another depth image, already here or next to come, may be nearer.
+                let nearer = self.depth.iter().skip(1).any(|d| distance(d.stamp, stamp) < mine);
+                if nearer {
+                    return Boxes::None;
+                }
+                let settled = stamp <= front.stamp || self.newest.is_some_and(|n| n >= stamp);
+                return if settled || give_up { Boxes::At(at) } else { Boxes::Wait };
+            }
+        }
+        // A detector works in order: boxes of a later image mean that this one was skipped.
+        let skipped = self
+            .detections
+            .iter()
+            .any(|d| d.stamp.seconds_since(front.stamp) > self.settings.slop_s);
+        if skipped || give_up { Boxes::None } else { Boxes::Wait }
+    }
+
+    fn take_boxes(&mut self, boxes: &Boxes) -> Option<Vec<Detection>> {
+        match boxes {
+            Boxes::At(at) => self.detections.remove(*at).map(|d| d.detections),
+            _ => None,
+        }
+    }
+
+    /// Boxes older than every depth image that waits will find none any more.
+    pub(super) fn drop_stale_boxes(&mut self, dropped: &mut Vec<Dropped>) {
+        let oldest = self.depth.front().map(|d| d.stamp).or(self.newest);
+        let Some(oldest) = oldest else { return };
+        let (slop, settings) = (self.settings.slop_s, &mut self.detections);
+        settings.retain(|d| {
+            let stale = oldest.seconds_since(d.stamp) > slop;
+            if stale {
+                dropped.push(without_depth(d));
+            }
+            !stale
+        });
+    }
+
+    fn base_frame(&self) -> &str {
+        match &self.color {
+            Some(color) if self.settings.base_frame.is_empty() => &color.frame_id,
+            _ => &self.settings.base_frame,
+        }
+    }
+
+    fn poses_at(&self, stamp: Stamp) -> Result<Poses, Unknown> {
+        let Some(color) = self.color.clone() else {
+            return Err(Unknown::later("no_camera_info", "no camera info came".into()));
+        };
+        let depth_frame = self.depth.front().map_or("", |d| d.frame_id.as_str());
+        let registration = if depth_frame == color.frame_id || depth_frame.is_empty() {
+            None
+        } else {
+            let Some(camera) = self.depth_camera.clone() else {
+                return Err(Unknown::later(
+                    "no_depth_camera_info",
+                    format!(
+                        "depth is in \"{depth_frame}\", colour in \"{}\", and the depth camera's info did not come",
+                        color.frame_id
+                    ),
+                ));
+            };
+            Some((camera, self.lookup(&color.frame_id, depth_frame, stamp)?))
+        };
+        let (odom_from_base, base) = match &self.odometry {
+            Some(odometry) => {
+                let pose = odometry.history.at(stamp).map_err(|outside| Unknown {
+                    early: outside == Outside::After,
+                    reason: "no_odometry",
+                    why: format!("the odometry does not cover the depth image at {stamp}"),
+                })?;
+                (pose, odometry.child_frame_id.as_str())
+            }
+            None => {
+                let base = self.base_frame();
+                (self.lookup(&self.settings.odom_frame, base, stamp)?, base)
+            }
+        };
+        let base_from_camera = self.lookup(base, &color.frame_id, stamp)?;
+        Ok(Poses { color, registration, odom_from_base, base_from_camera })
+    }
+
+    fn lookup(&self, to: &str, from: &str, at: Stamp) -> Result<Pose, Unknown> {
+        if to == from {
+            return Ok(Pose::identity());
+        }
+        self.transforms.lookup(to, from, at).map_err(|e| Unknown {
+            early: !matches!(e, TransformError::TooLate { .. })
+                || !self.transforms.connects(to, from),
+            reason: "no_transform",
+            why: e.to_string(),
+        })
+    }
+}
+
+fn without_depth(detections: &DetectionsMessage) -> Dropped {
+    Dropped {
+        stamp: detections.stamp,
+        reason: "no_depth_for_boxes",
+        why: format!("no depth image is near the boxes' stamp {}", detections.stamp),
+    }
+}
+
+#[derive(Debug, PartialEq)]
+enum Boxes {
+    At(usize),
+    None,
+    Wait,
+}
+
+struct Poses {
+    color: CameraMessage,
+    registration: Option<(CameraMessage, Pose)>,
+    odom_from_base: Pose,
+    base_from_camera: Pose,
+}
+
+/// A pose that is not known, and whether it may come.
+struct Unknown {
+    early: bool,
+    reason: &'static str,
+    why: String,
+}
+
+impl Unknown {
+    fn later(reason: &'static str, why: String) -> Self {
+        Self { early: true, reason, why }
+    }
+}
+
+/// Stamps that go back further than this are a restart, not disorder [s].
+const MAX_STEP_BACK_S: f64 = 1.0;
