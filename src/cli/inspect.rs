@@ -1,7 +1,7 @@
 //! `inspect`: what a bag has and what is missing.
 
-use super::Outcome;
-use crate::io::{BagInput, Remap};
+use super::{Outcome, replay::load_settings};
+use crate::io::{Remap, inspect};
 use clap::Parser;
 use std::path::PathBuf;
 
@@ -10,6 +10,9 @@ use std::path::PathBuf;
 pub(super) struct Args {
     /// An `.mcap` file or a rosbag2 folder.
     bag: PathBuf,
+    /// A parameter file, as for replay.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
     /// Use a topic for a role, as for replay.
     #[arg(short = 'r', long = "remap", value_name = "ROLE:=/TOPIC")]
     remaps: Vec<Remap>,
@@ -19,7 +22,12 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Outcome {
-    let input = BagInput::open(&args.bag, &args.remaps)?;
-    println!("{:?} {}", input.roles(), args.json);
+    let settings = load_settings(args.config.as_deref())?;
+    let report = inspect(&args.bag, &args.remaps, settings.sync.slop_s)?;
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        print!("{report}");
+    }
     Ok(())
 }

@@ -137,7 +137,7 @@ impl Roles {
     pub fn assign(topics: &[Topic], remaps: &[Remap]) -> Result<Self, RoleError> {
         let (roles, missing) = Self::assign_all(topics, remaps)?;
         if !missing.is_empty() {
-            return Err(RoleError::Missing { missing, available: available(topics) });
+            return Err(RoleError::missing(missing, topics));
         }
         Ok(roles)
     }
@@ -196,6 +196,24 @@ impl Roles {
         all.map(String::as_str)
     }
 
+    /// The topic for a role.
+    pub fn topic_of(&self, role: Role) -> Option<&str> {
+        let topic = match role {
+            Role::Rgb => self.rgb.as_deref(),
+            Role::Depth => Some(self.depth.as_str()),
+            Role::CameraInfo => Some(self.camera_info.as_str()),
+            Role::DepthCameraInfo => self.depth_camera_info.as_deref(),
+            Role::Odometry => self.odometry.as_deref(),
+            Role::Detections => Some(self.detections.as_str()),
+        };
+        topic.filter(|name| !name.is_empty())
+    }
+
+    /// The role of a topic; transforms have none of these.
+    pub fn role_of(&self, topic: &str) -> Option<Role> {
+        Role::ALL.iter().copied().find(|role| self.topic_of(*role) == Some(topic))
+    }
+
     /// Whether the boxes live in rectified images.
     pub fn is_color_rectified(&self) -> bool {
         self.rgb.as_deref().is_some_and(is_rectified)
@@ -214,6 +232,13 @@ impl Roles {
             }
             None => Ok(()),
         }
+    }
+}
+
+impl RoleError {
+    /// Roles that nothing of these topics fits.
+    pub(super) fn missing(missing: Vec<Role>, topics: &[Topic]) -> Self {
+        Self::Missing { missing, available: available(topics) }
     }
 }
 

@@ -163,7 +163,7 @@ fn outward(yaw: f64, i: usize) -> Vector3<f64> {
         1 => Vector3::new(-sin, cos, 0.0),
         _ => Vector3::z(),
     };
-    if i % 2 == 0 { -axis } else { axis }
+    if i.is_multiple_of(2) { -axis } else { axis }
 }
 
 fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>) -> Face {

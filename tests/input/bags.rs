@@ -139,6 +139,7 @@ fn what_is_no_bag_is_refused_in_a_sentence() {
     let with = |name: &str, content: &[u8]| fs::write(at(name), content).unwrap();
     with("garbage.mcap", b"this is no bag, whatever its name says");
     with("empty.mcap", b"");
+    with("whole.mcap.zstd", &[0x28, 0xb5, 0x2f, 0xfd, 0, 0, 0, 0, 0]);
     with("bag.db3", b"SQLite format 3");
     for (name, metadata) in [
         ("sqlite", METADATA.replace("storage_identifier: mcap", "storage_identifier: sqlite3")),
@@ -157,6 +158,7 @@ fn what_is_no_bag_is_refused_in_a_sentence() {
         ("absent.mcap", "no such file or folder"),
         ("garbage.mcap", "is not an MCAP file"),
         ("empty.mcap", "is not an MCAP file"),
+        ("whole.mcap.zstd", "zstd -d"),
         ("bag.db3", "ros2 bag convert"),
         ("sqlite", "ros2 bag convert"),
         ("packed", "message by message"),

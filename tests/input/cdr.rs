@@ -103,6 +103,15 @@ fn length_fields_are_not_trusted() {
             }
         }
     }
+    // Believing one of these lengths would have claimed at least 4 GB.
+    assert!(claimed_kb() < 3_000_000, "{} kB were claimed", claimed_kb());
+}
+
+/// The most address space that this process ever had [kB]: it counts memory that was claimed but never touched.
+fn claimed_kb() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmPeak")).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }
 
 proptest! {

@@ -2,7 +2,10 @@
 
 use crate::fixtures::header;
 use ellipsoid_slam::msg::{
-    convert::{RgbImage, color_image, compressed_color_image},
+    convert::{
+        RgbImage, color_image, color_image_message, compressed_color_image,
+        compressed_color_message,
+    },
     sensor_msgs::{CompressedImage, Image},
 };
 
@@ -113,4 +116,20 @@ fn cut_or_foreign_data_is_refused() {
         let image = CompressedImage { header: header(0, ""), format: "jpeg".into(), data };
         assert_eq!(compressed_color_image(&image).unwrap_err().reason(), "bad_image");
     }
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let image = RgbImage { width: 2, height: 2, data: RGB.concat() };
+    assert_eq!(color_image(&color_image_message(header(4, "c"), &image)).unwrap(), image);
+    let flat = RgbImage { width: 20, height: 10, data: [200, 100, 50].repeat(200) };
+    let message = compressed_color_message(header(4, "c"), &flat, 90).unwrap();
+    let again = compressed_color_image(&message).unwrap();
+    assert_eq!((again.width, again.height, message.header), (20, 10, header(4, "c")));
+    assert!(again.data.iter().zip(&flat.data).all(|(a, b)| a.abs_diff(*b) < 6));
+    let wide = RgbImage { width: 70_000, height: 1, data: vec![0; 210_000] };
+    assert_eq!(
+        compressed_color_message(header(0, ""), &wide, 90).unwrap_err().reason(),
+        "size_mismatch"
+    );
 }

@@ -9,6 +9,7 @@ mod damage;
 mod depth;
 mod detections;
 mod fixtures;
+mod inspect;
 mod poses;
 mod replay;
 mod roles;

@@ -2,7 +2,8 @@
 
 use crate::fixtures::{self, Line, PLAIN, bag, detection, line, scene};
 use ellipsoid_slam::{
-    io::{BagInput, InputError},
+    io::{BagInput, InputError, decode_color},
+    msg::convert::{RgbImage, color_image_message, compressed_color_message},
     pipeline::{CameraRole, Input},
 };
 use std::fs;
@@ -156,5 +157,23 @@ fn a_depth_camera_of_its_own_is_measured_by_its_own_calibration() {
     opened(&lines, |input| {
         let letters: String = input.unwrap().inputs().map(|i| letter(&i)).collect();
         assert!(letters.contains('c') && letters.contains('C'), "{letters}");
+    });
+}
+
+#[test]
+fn colour_is_decoded_on_demand_from_either_type() {
+    let picture = RgbImage { width: 1, height: 2, data: vec![9, 8, 7, 6, 5, 4] };
+    let header = fixtures::header(1, "camera");
+    let flat = RgbImage { width: 8, height: 8, data: vec![120; 192] };
+    let packed = compressed_color_message(header.clone(), &flat, 95).unwrap();
+    let mut lines = scene();
+    lines.push(line("/rgb/image", 1, &color_image_message(header, &picture)));
+    lines.push(line("/rgb/image/compressed", 2, &packed));
+    opened(&lines, |input| {
+        let input = input.unwrap();
+        assert_eq!(input.inputs().count(), 41, "the core needs no colour");
+        let messages = input.bag().messages().only(["/rgb/image", "/rgb/image/compressed"]);
+        let pictures: Vec<_> = messages.map(|m| decode_color(&m).unwrap()).collect();
+        assert_eq!(pictures, [picture, flat]);
     });
 }
