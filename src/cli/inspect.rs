@@ -1,7 +1,10 @@
 //! `inspect`: what a bag has and what is missing.
 
 use super::Outcome;
-use crate::io::{BagInput, Remap};
+use crate::{
+    io::{self, Remap},
+    pipeline::Settings,
+};
 use clap::Parser;
 use std::path::PathBuf;
 
@@ -19,7 +22,11 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Outcome {
-    let input = BagInput::open(&args.bag, &args.remaps)?;
-    println!("{:?} {}", input.roles(), args.json);
+    let report = io::inspect(&args.bag, &args.remaps, Settings::default().sync.slop_s)?;
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        println!("{report}");
+    }
     Ok(())
 }
