@@ -214,9 +214,9 @@ impl Roles {
         Role::ALL.iter().copied().find(|role| self.topic_of(*role) == Some(topic))
     }
 
-    /// Whether the boxes live in rectified images.
+    /// Whether the boxes live in rectified images; without colour images, they are taken to live in the depth images.
     pub fn is_color_rectified(&self) -> bool {
-        self.rgb.as_deref().is_some_and(is_rectified)
+        is_rectified(self.rgb.as_deref().unwrap_or(&self.depth))
     }
 
     /// Whether the depth images are rectified.

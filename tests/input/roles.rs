@@ -171,6 +171,27 @@ fn transforms_and_rectification() {
 }
 
 #[test]
+fn the_images_name_says_whether_its_calibration_distorts() {
+    let cases: &[(&[&str], bool, bool)] = &[
+        (&["/depth/image_raw"], false, false),
+        (&["/depth/image_rect_raw"], true, true),
+        (&["/depth/image_rect", "/rgb/image_raw"], false, true),
+        (&["/depth/image_raw", "/rgb/image_rect_color"], true, false),
+        (&["/depth_rect/image", "/rgb_rect/image"], false, false),
+    ];
+    for (images, color, depth) in cases {
+        let mut list = topics(&[("/camera_info", INFO), ("/det", BOXES)]);
+        list.extend(images.iter().flat_map(|image| topics(&[(image, IMAGE)])));
+        let roles = Roles::assign(&list, &[]).unwrap();
+        assert_eq!(
+            (roles.is_color_rectified(), roles.is_depth_rectified()),
+            (*color, *depth),
+            "{images:?}"
+        );
+    }
+}
+
+#[test]
 fn refusals_say_what_is_there_and_what_to_do() {
     let list = topics(&[("/camera_info", INFO), ("/rgb", IMAGE), ("/ground_truth/odom", ODOMETRY)]);
     let missing = Roles::assign(&list, &[]).unwrap_err().to_string();
