@@ -174,34 +174,42 @@ fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>
         segment.points.iter().filter(|p| p.at.coords.dot(outward) > last - RIM_M).collect();
     let sigma = rim.iter().map(|p| noise_along(p, outward)).sum::<f64>() / rim.len() as f64;
     // A face turned to the camera is a cloud of its own around the true position; the end of a face seen from the
-    // side is the last of its points.
+    // side is, on average, half a sample beyond the last of its points.
     let mut band: Vec<f64> =
         coordinates.iter().copied().filter(|c| *c > last - 5.0 * sigma - 0.004).collect();
     let share = band.len() as f64 / coordinates.len() as f64;
     let (position_m, step) = if share > FACING_SHARE {
         (quantile(&mut band, 0.5), 0.0)
     } else {
-        (last, segment.spacing_m)
+        let step = rim.iter().map(|p| sample_step_m(segment, p)).sum::<f64>() / rim.len() as f64;
+        (last + 0.5 * step, step)
     };
-    rim.retain(|p| p.at.coords.dot(outward) > position_m - 0.01 - 2.0 * sigma);
-    let side = what_lies_beyond(frame, &rim, outward, 2.0 * segment.spacing_m);
-    let sigma_m = (sigma.powi(2) / 4.0 + step.powi(2) + MODEL_SIGMA_M.powi(2)).sqrt();
+    rim.retain(|p| p.at.coords.dot(outward) > last - 0.01 - 2.0 * sigma);
+    let side = what_lies_beyond(frame, segment, &rim, outward);
+    let sigma_m = (sigma.powi(2) / 4.0 + step.powi(2) / 12.0 + MODEL_SIGMA_M.powi(2)).sqrt();
     Face { position_m, sigma_m, side }
+}
+
+/// Distance between neighbouring samples along the surface at a point: on surfaces seen at a grazing angle they lie
+/// far apart.
+fn sample_step_m(segment: &Segment<'_>, p: &SurfacePoint) -> f64 {
+    let facing = p.normal.map_or(0.7, |n| n.dot(&p.at.coords).abs() / p.at.coords.norm());
+    segment.spacing_m / facing.max(MIN_FACING)
 }
 
 /// Looks past the outermost points.
 fn what_lies_beyond(
     frame: &Frame<'_>,
+    segment: &Segment<'_>,
     rim: &[&SurfacePoint],
     outward: &Vector3<f64>,
-    min_step_m: f64,
 ) -> Side {
     let (mut free, mut surface, mut hidden) = (0, 0, 0);
     let every = rim.len().div_ceil(MAX_LOOKS).max(1);
     let looks = rim.iter().step_by(every);
     let total = looks.len();
     for p in looks {
-        let step = min_step_m.max(4.0 * p.sigma_m).max(0.02);
+        let step = (2.0 * sample_step_m(segment, p)).max(4.0 * p.sigma_m).max(0.02);
         for reach in 1..=3 {
             let beyond = p.at + outward * (step * f64::from(reach));
             match frame.look_at(&beyond) {
@@ -272,6 +280,8 @@ const FACING_SHARE: f64 = 0.2;
 const RIM_M: f64 = 0.05;
 /// Real objects have round edges and handles (m).
 const MODEL_SIGMA_M: f64 = 0.01;
+/// Cosine of the most grazing view that still gives samples.
+const MIN_FACING: f64 = 0.2;
 const MIN_EXTENT_M: f64 = 0.005;
 const MAX_LOOKS: usize = 80;
 /// Points this near to the support plane are taken to reach it (m).
