@@ -50,7 +50,9 @@ fn suggestion(nearest: &Option<String>) -> String {
 /// When the text is not YAML in ROS 2's form, has an unknown key or a value out of range.
 pub fn settings_from_yaml(text: &str) -> Result<Settings, ConfigError> {
     let file: Value = serde_saphyr::from_str(text).map_err(|e| {
-        ConfigError::Yaml(e.to_string().lines().next().unwrap_or_default().to_owned())
+        let text = e.to_string();
+        let first = text.lines().next().unwrap_or_default();
+        ConfigError::Yaml(first.trim_start_matches("error: ").to_owned())
     })?;
     let given = file
         .as_object()

@@ -215,21 +215,26 @@ impl Crop {
     }
 }
 
-/// A reading between a near and a far surface is an average of both.
+/// A reading between a near and a far surface is an average of both. A surface seen at a grazing angle changes fast
+/// too, but it goes on at the same rate.
 fn is_flying(frame: &Frame<'_>, u: i32, v: i32) -> bool {
-    let Some(z) = frame.depth().at(u, v).map(f64::from) else { return true };
-    let jump = 0.02 + 4.0 * frame.sigma_m(z);
-    let between = |a: Option<f32>, b: Option<f32>| match (a, b) {
-        (Some(a), Some(b)) => {
-            let (a, b) = (f64::from(a) - z, f64::from(b) - z);
-            a.abs().min(b.abs()) > jump && a * b < 0.0
-        }
-        (None, None) => true,
-        _ => false,
-    };
     let depth = frame.depth();
-    between(depth.at(u - 2, v), depth.at(u + 2, v))
-        || between(depth.at(u, v - 2), depth.at(u, v + 2))
+    let Some(z) = depth.at(u, v).map(f64::from) else { return true };
+    let jump = 0.02 + 4.0 * frame.sigma_m(z);
+    let between = |du: i32, dv: i32| {
+        let at = |steps: i32| depth.at(u + steps * du, v + steps * dv).map(f64::from);
+        let (Some(before), Some(after)) = (at(-1), at(1)) else {
+            return at(-1).is_none() && at(1).is_none();
+        };
+        let (a, b) = (before - z, after - z);
+        let goes_on =
+            |one: f64, two: Option<f64>| two.is_some_and(|two| (z - 2.0 * one + two).abs() < jump);
+        a.abs().min(b.abs()) > jump
+            && a * b < 0.0
+            && !goes_on(before, at(-2))
+            && !goes_on(after, at(2))
+    };
+    between(2, 0) || between(0, 2)
 }
 
 /// An object's own seat, mattress or top is a horizontal plane too: one that ends where the box ends, with more of

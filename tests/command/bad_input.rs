@@ -59,7 +59,7 @@ fn boxes_outside_the_image_are_refused_one_by_one() {
     assert!(output.status.success(), "{}", stderr(&output));
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(summary["objects"], 0);
-    assert_eq!(summary["refused_boxes"]["outside_image"], 6, "{summary:#}");
+    assert_eq!(summary["skipped_messages"]["/detections"]["box_outside"], 6, "{summary:#}");
 }
 
 #[test]
