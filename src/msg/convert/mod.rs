@@ -14,7 +14,7 @@ pub use color::{RgbImage, color_image, compressed_color_image};
 pub use depth::{compressed_depth_image, depth_image};
 pub use detections::{detection_array, detections};
 pub use error::ConvertError;
-pub use objects::{detections_3d, object_markers, path};
+pub use objects::{boxes_3d, detections_3d, object_markers, path};
 pub use pose::{
     odometry, odometry_message, pose_message, tf_message, transform_message, transforms,
 };
