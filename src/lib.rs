@@ -20,4 +20,6 @@ pub mod io;
 
 pub mod sim;
 
+pub mod eval;
+
 pub mod cli;

@@ -1,20 +1,15 @@
 //! `import tum`: a folder of the TUM RGB-D form becomes a bag.
 
-use super::{Failure, Outcome};
+use super::{
+    Outcome,
+    recording::{CAMERA_FRAME, ODOM_FRAME, Recording, refuse_existing, truth_path, write_truth},
+};
 use crate::{
+    eval::GroundTruth,
     geometry::Pose,
-    io::{BagWriter, TumFolder, TumFrame, TumOptions},
-    msg::{
-        convert::{
-            camera_info, compressed_depth_message, detection_array, header, odometry_message,
-            png_depth, tf_message,
-        },
-        sensor_msgs::CompressedImage,
-    },
-    pipeline::{
-        CameraMessage, CameraRole, DepthMessage, DetectionsMessage, OdometryMessage,
-        StampedTransform,
-    },
+    io::{TumFolder, TumFrame, TumOptions},
+    msg::convert::png_depth,
+    pipeline::{DepthMessage, DetectionsMessage, OdometryMessage},
     time::Stamp,
 };
 use anyhow::Context;
@@ -55,24 +50,28 @@ struct TumArgs {
     force: bool,
 }
 
-const CAMERA_FRAME: &str = "camera_color_optical_frame";
-const ODOM_FRAME: &str = "odom";
-
 pub(super) fn run(args: &Args) -> Outcome {
     let Form::Tum(args) = &args.form;
-    if args.output.exists() && !args.force {
-        return Err(Failure::Usage(format!(
-            "{} exists already; give --force to overwrite",
-            args.output.display()
-        )));
+    let truth = read_truth(&args.folder)?;
+    let beside = truth_path(&args.output);
+    match &truth {
+        Some(_) => refuse_existing(&[&args.output, &beside], args.force)?,
+        None => refuse_existing(&[&args.output], args.force)?,
     }
     let options = TumOptions { camera: args.camera.clone(), odometry: args.odometry.clone() };
     let folder = TumFolder::open(&args.folder, &options)?;
-    let mut bag = BagWriter::create(&args.output)?;
-    for message in chronological(&folder) {
+    let mut bag = Recording::create(&args.output)?;
+    let messages = chronological(&folder);
+    if let (Some(truth), Some((stamp, _))) = (&truth, messages.first()) {
+        bag.true_objects(*stamp, truth)?;
+    }
+    for message in messages {
         write(&mut bag, &folder, &message)?;
     }
     bag.finish()?;
+    if let Some(truth) = &truth {
+        write_truth(&args.output, truth)?;
+    }
     for warning in &folder.warnings {
         eprintln!("warning: {warning}");
     }
@@ -85,6 +84,17 @@ pub(super) fn run(args: &Args) -> Outcome {
         folder.odometry.len()
     );
     Ok(())
+}
+
+/// The true objects, if the folder knows them.
+fn read_truth(folder: &Path) -> anyhow::Result<Option<GroundTruth>> {
+    let path = folder.join("objects.gt.json");
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text =
+        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    GroundTruth::from_json(&text).map(Some).with_context(|| path.display().to_string())
 }
 
 /// One message to write.
@@ -114,88 +124,47 @@ fn chronological(folder: &TumFolder) -> Vec<(Stamp, Part<'_>)> {
 }
 
 fn write(
-    bag: &mut BagWriter,
+    bag: &mut Recording,
     folder: &TumFolder,
     (stamp, part): &(Stamp, Part<'_>),
 ) -> anyhow::Result<()> {
     let stamp = *stamp;
     match part {
-        Part::Odometry(pose) => {
-            let transform = StampedTransform {
-                stamp,
-                frame_id: ODOM_FRAME.into(),
-                child_frame_id: CAMERA_FRAME.into(),
-                parent_from_child: **pose,
+        Part::Odometry(pose) => bag.odometry(&OdometryMessage {
+            stamp,
+            frame_id: ODOM_FRAME.into(),
+            child_frame_id: CAMERA_FRAME.into(),
+            odom_from_base: **pose,
+            covariance: None,
+        })?,
+        Part::Truth(pose) => bag.true_pose(stamp, CAMERA_FRAME, pose)?,
+        Part::Color(frame) => {
+            bag.camera(stamp, &folder.camera)?;
+            bag.compressed_color(stamp, color_format(&frame.color)?, read(&frame.color)?)?;
+        }
+        Part::Depth(frame) => {
+            let image = png_depth(&read(&frame.depth)?, folder.depth_units_per_metre)
+                .with_context(|| frame.depth.display().to_string())?;
+            bag.depth(&DepthMessage { stamp, frame_id: CAMERA_FRAME.into(), image }, false)?;
+        }
+        Part::Boxes(frame) => {
+            let message = DetectionsMessage {
+                stamp: frame.color_stamp,
+                frame_id: CAMERA_FRAME.into(),
+                detections: frame.detections.clone().unwrap_or_default(),
             };
-            bag.write("/tf", &tf_message(&[transform]), stamp)?;
-            bag.write("/odom", &odometry_message(&reading(stamp, pose)), stamp)?;
+            bag.detections(&message, frame.instances.iter().map(ToString::to_string), stamp)?;
         }
-        Part::Truth(pose) => {
-            bag.write("/ground_truth/odom", &odometry_message(&reading(stamp, pose)), stamp)?;
-        }
-        Part::Color(frame) => write_color(bag, folder, frame)?,
-        Part::Depth(frame) => write_depth(bag, folder, frame)?,
-        Part::Boxes(frame) => write_boxes(bag, frame, stamp)?,
     }
     Ok(())
 }
 
-fn reading(stamp: Stamp, pose: &Pose) -> OdometryMessage {
-    OdometryMessage {
-        stamp,
-        frame_id: ODOM_FRAME.into(),
-        child_frame_id: CAMERA_FRAME.into(),
-        odom_from_base: *pose,
-        covariance: None,
+fn color_format(file: &Path) -> anyhow::Result<&'static str> {
+    match file.extension().and_then(|e| e.to_str()) {
+        Some("jpg" | "jpeg") => Ok("jpeg"),
+        Some("png") => Ok("png"),
+        _ => anyhow::bail!("{}: colour images must be .jpg or .png", file.display()),
     }
-}
-
-fn write_color(bag: &mut BagWriter, folder: &TumFolder, frame: &TumFrame) -> anyhow::Result<()> {
-    let format = match frame.color.extension().and_then(|e| e.to_str()) {
-        Some("jpg" | "jpeg") => "rgb8; jpeg compressed bgr8",
-        Some("png") => "rgb8; png compressed bgr8",
-        _ => anyhow::bail!("{}: colour images must be .jpg or .png", frame.color.display()),
-    };
-    let stamp = frame.color_stamp;
-    let image = CompressedImage {
-        header: header(stamp, CAMERA_FRAME),
-        format: format.into(),
-        data: read(&frame.color)?,
-    };
-    let info = CameraMessage {
-        role: CameraRole::Color,
-        stamp,
-        frame_id: CAMERA_FRAME.into(),
-        camera: folder.camera.clone(),
-    };
-    bag.write("/camera/color/camera_info", &camera_info(&info), stamp)?;
-    bag.write("/camera/color/image_raw/compressed", &image, stamp)?;
-    Ok(())
-}
-
-fn write_depth(bag: &mut BagWriter, folder: &TumFolder, frame: &TumFrame) -> anyhow::Result<()> {
-    let image = png_depth(&read(&frame.depth)?, folder.depth_units_per_metre)
-        .with_context(|| frame.depth.display().to_string())?;
-    let depth = DepthMessage { stamp: frame.depth_stamp, frame_id: CAMERA_FRAME.into(), image };
-    let topic = "/camera/aligned_depth_to_color/image_raw/compressedDepth";
-    bag.write(topic, &compressed_depth_message(&depth)?, frame.depth_stamp)?;
-    Ok(())
-}
-
-/// The boxes, and once more as truth with the object that each of them shows.
-fn write_boxes(bag: &mut BagWriter, frame: &TumFrame, at: Stamp) -> anyhow::Result<()> {
-    let message = DetectionsMessage {
-        stamp: frame.color_stamp,
-        frame_id: CAMERA_FRAME.into(),
-        detections: frame.detections.clone().unwrap_or_default(),
-    };
-    let mut boxes = detection_array(&message);
-    bag.write("/detections", &boxes, at)?;
-    for (detection, instance) in boxes.detections.iter_mut().zip(&frame.instances) {
-        detection.id = instance.to_string();
-    }
-    bag.write("/ground_truth/detections", &boxes, at)?;
-    Ok(())
 }
 
 fn read(path: &Path) -> anyhow::Result<Vec<u8>> {

@@ -4,8 +4,11 @@ mod config;
 mod demo;
 mod import;
 mod inspect;
+mod recording;
 mod replay;
 mod results;
+mod simulate;
+mod simulate_settings;
 mod timing;
 
 use clap::{Parser, Subcommand};
@@ -28,6 +31,7 @@ enum Command {
     Demo(demo::Args),
     Inspect(inspect::Args),
     Import(import::Args),
+    Simulate(simulate::Args),
     Config(config::Args),
 }
 
@@ -62,6 +66,7 @@ pub fn run() -> ExitCode {
         Command::Demo(args) => demo::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Import(args) => import::run(args),
+        Command::Simulate(args) => simulate::run(args),
         Command::Config(args) => config::run(args),
     };
     match outcome {

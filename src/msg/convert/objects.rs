@@ -2,7 +2,7 @@
 
 use super::{header, pose_message};
 use crate::{
-    geometry::Pose,
+    geometry::{OrientedBox, Pose},
     mapping::MapObject,
     msg::{
         builtin_interfaces::Duration,
@@ -84,6 +84,27 @@ pub fn detections_3d<'a>(
             results,
             bbox: BoundingBox3D { center: pose.pose, size: Vector3 { x, y, z } },
             id: object.id.to_string(),
+        }
+    });
+    Detection3DArray { header: header(stamp, frame_id), detections: detections.collect() }
+}
+
+/// Boxes with an id and a label each, which are certain.
+pub fn boxes_3d<'a>(
+    boxes: impl IntoIterator<Item = (u64, &'a str, OrientedBox)>,
+    stamp: Stamp,
+    frame_id: &str,
+) -> Detection3DArray {
+    let detections = boxes.into_iter().map(|(id, label, body)| {
+        let center = pose_message(&body.pose);
+        let [x, y, z]: [f64; 3] = (body.half_extents * 2.0).into();
+        let hypothesis = ObjectHypothesis { class_id: label.to_owned(), score: 1.0 };
+        let pose = PoseWithCovariance { pose: center, ..PoseWithCovariance::default() };
+        Detection3D {
+            header: header(stamp, frame_id),
+            results: vec![ObjectHypothesisWithPose { hypothesis, pose }],
+            bbox: BoundingBox3D { center, size: Vector3 { x, y, z } },
+            id: id.to_string(),
         }
     });
     Detection3DArray { header: header(stamp, frame_id), detections: detections.collect() }
