@@ -2,4 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot build its input has to stop")]
 
 mod geometry;
+mod mapping;
+mod perception;
+mod pipeline;
+mod scene;
 mod time;
