@@ -96,8 +96,9 @@ impl Estimate {
     ) {
         let quarters = nearest_quarters(&self.ellipsoid, measured);
         let renamed = upright(measured).quarter_turned(quarters);
-        let noise = turned(&linear_covariance(covariance, &measured.semi_axes), quarters);
         let innovation = difference(&self.ellipsoid, &renamed);
+        let noise = turned(&linear_covariance(covariance, &measured.semi_axes), quarters);
+        let noise = seen_along(innovation[0], &noise);
         let Some(factor) = Cholesky::new(self.covariance + noise) else { return };
         let mahalanobis = innovation.dot(&factor.solve(&innovation)).max(0.0).sqrt();
         let inflation = (mahalanobis / settings.huber).max(1.0);
@@ -197,6 +198,16 @@ fn turned(covariance: &StateCovariance, quarters: i64) -> StateCovariance {
         out = m * out * m.transpose();
     }
     out
+}
+
+/// The covariance of a measurement in the frame of the estimate, whose heading differs by `turn`: a round object may be
+/// measured with any heading, and what was hidden is hidden along the measurement's axes.
+fn seen_along(turn: f64, covariance: &StateCovariance) -> StateCovariance {
+    let (sin, cos) = turn.sin_cos();
+    let mut rotation = StateCovariance::identity();
+    (rotation[(1, 1)], rotation[(1, 2)]) = (cos, -sin);
+    (rotation[(2, 1)], rotation[(2, 2)]) = (sin, cos);
+    rotation * covariance * rotation.transpose()
 }
 
 const MIN_SEMI_AXIS_M: f64 = 0.002;

@@ -33,6 +33,8 @@ pub struct MapObject {
     pub last_seen: Stamp,
     /// Height of the plane it stands on in the map frame (m), if one was seen.
     pub support_height_m: Option<f64>,
+    /// Measurements that saw that plane.
+    pub(super) support_heights: u32,
     pub(super) estimate: Estimate,
     /// Sum of the detector's probabilities by label.
     pub(super) votes: BTreeMap<String, f64>,

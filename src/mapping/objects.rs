@@ -107,6 +107,7 @@ impl ObjectMap {
             first_seen: stamp,
             last_seen: stamp,
             support_height_m: None,
+            support_heights: 0,
             estimate: Estimate::new(&first.ellipsoid, &first.covariance),
             votes: BTreeMap::new(),
             doubt: 1.0,
@@ -125,7 +126,8 @@ impl MapObject {
             *self.votes.entry(label.clone()).or_default() += probability;
         }
         if let Some(height) = observation.support_height_m {
-            let weight = 1.0 / f64::from(self.observations);
+            self.support_heights += 1;
+            let weight = 1.0 / f64::from(self.support_heights);
             let known = self.support_height_m.unwrap_or(height);
             self.support_height_m = Some(known + weight * (height - known));
         }

@@ -1,5 +1,6 @@
 //! From inputs to updates: the page that reads like the paper.
 
+mod history;
 mod input;
 mod settings;
 mod slam;

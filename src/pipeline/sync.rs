@@ -5,7 +5,8 @@
 
 use super::{
     CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
-    transforms::{History, Outside, TransformError, Transforms},
+    history::{History, Jump, Outside, is_long_before},
+    transforms::{TransformError, Transforms},
 };
 use crate::{geometry::Pose, perception::Detection, time::Stamp};
 use serde::{Deserialize, Serialize};
@@ -127,8 +128,8 @@ impl Sync {
         if let Some(newest) = self.newest
             && depth.stamp <= newest
         {
-            let back = newest.seconds_since(depth.stamp);
-            if back < MAX_STEP_BACK_S {
+            if !is_long_before(depth.stamp, newest) {
+                let back = newest.seconds_since(depth.stamp);
                 dropped.push(Dropped {
                     stamp: depth.stamp,
                     reason: "stamp_goes_back",
@@ -137,13 +138,13 @@ impl Sync {
                 return;
             }
             // The clock jumped: a bag was restarted, or the time was set. Nothing that waits belongs to the new time.
-            self.forget(dropped);
+            self.jump_back(&Jump { from: newest, to: depth.stamp }, dropped);
         }
         self.newest = Some(depth.stamp);
         self.depth.push_back(depth);
     }
 
-    fn forget(&mut self, dropped: &mut Vec<Dropped>) {
+    fn jump_back(&mut self, jump: &Jump, dropped: &mut Vec<Dropped>) {
         for depth in self.depth.drain(..) {
             dropped.push(Dropped {
                 stamp: depth.stamp,
@@ -151,10 +152,17 @@ impl Sync {
                 why: "the stamps jumped back while this depth image was waiting".into(),
             });
         }
-        self.detections.clear();
+        self.detections.retain(|d| {
+            let before = jump.is_before(d.stamp);
+            if before {
+                dropped.push(without_depth(d));
+            }
+            !before
+        });
         if let Some(odometry) = &mut self.odometry {
-            odometry.history = History::changing();
+            odometry.history.jump_back(jump);
         }
+        self.transforms.jump_back(jump);
     }
 
     fn push_odometry(&mut self, message: OdometryMessage) {
@@ -231,11 +239,12 @@ impl Sync {
                 return if settled || give_up { Boxes::At(at) } else { Boxes::Wait };
             }
         }
-        // A detector works in order: boxes of a later image mean that this one was skipped.
-        let skipped = self
-            .detections
-            .iter()
-            .any(|d| d.stamp.seconds_since(front.stamp) > self.settings.slop_s);
+        // A detector works in order: boxes of a later image mean that this one was skipped. Boxes of an image that
+        // did not come yet say nothing: their stamp may be wrong.
+        let skipped = self.detections.iter().any(|d| {
+            d.stamp.seconds_since(front.stamp) > self.settings.slop_s
+                && self.newest.is_some_and(|newest| d.stamp <= newest)
+        });
         if skipped || give_up { Boxes::None } else { Boxes::Wait }
     }
 
@@ -351,6 +360,3 @@ impl Unknown {
         Self { early: true, reason, why }
     }
 }
-
-/// Stamps that go back further than this are a restart, not disorder (s).
-const MAX_STEP_BACK_S: f64 = 1.0;

@@ -1,11 +1,11 @@
 //! A buffer of transforms between frames, static and changing.
 
-use super::StampedTransform;
-use crate::{
-    geometry::{Pose, interpolate},
-    time::Stamp,
+use super::{
+    StampedTransform,
+    history::{History, Jump, Outside},
 };
-use std::collections::{BTreeMap, VecDeque};
+use crate::{geometry::Pose, time::Stamp};
+use std::collections::BTreeMap;
 use thiserror::Error;
 
 /// Transforms of the last seconds, as a tree of frames.
@@ -21,14 +21,6 @@ struct Parent {
     history: History,
 }
 
-/// Poses over time.
-#[derive(Clone, Debug)]
-pub(super) enum History {
-    Static(Pose),
-    /// In the order of their stamps.
-    Changing(VecDeque<(Stamp, Pose)>),
-}
-
 /// Why a transform is not known.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub(super) enum TransformError {
@@ -38,56 +30,6 @@ pub(super) enum TransformError {
     TooEarly { frame: String, at: Stamp },
     #[error("the transform of \"{frame}\" is not known any more, or never was, at {at}")]
     TooLate { frame: String, at: Stamp },
-}
-
-impl History {
-    /// An empty history of a moving frame.
-    pub(super) fn changing() -> Self {
-        Self::Changing(VecDeque::new())
-    }
-
-    /// Adds a pose; a stamp that was there already is replaced, old ones are forgotten.
-    pub(super) fn push(&mut self, stamp: Stamp, pose: Pose) {
-        let Self::Changing(poses) = self else {
-            *self = Self::Changing(VecDeque::from([(stamp, pose)]));
-            return;
-        };
-        let at = poses.partition_point(|(s, _)| *s < stamp);
-        match poses.get_mut(at) {
-            Some(entry) if entry.0 == stamp => entry.1 = pose,
-            _ => poses.insert(at, (stamp, pose)),
-        }
-        while poses.len() > MAX_POSES {
-            poses.pop_front();
-        }
-    }
-
-    /// The pose at a time, interpolated at constant twist.
-    pub(super) fn at(&self, stamp: Stamp) -> Result<Pose, Outside> {
-        let poses = match self {
-            Self::Static(pose) => return Ok(*pose),
-            Self::Changing(poses) => poses,
-        };
-        let after = poses.partition_point(|(s, _)| *s < stamp);
-        let Some((next_stamp, next)) = poses.get(after) else { return Err(Outside::After) };
-        if *next_stamp == stamp {
-            return Ok(*next);
-        }
-        let Some((last_stamp, last)) = after.checked_sub(1).map(|i| &poses[i]) else {
-            return Err(Outside::Before);
-        };
-        let span = next_stamp.seconds_since(*last_stamp);
-        Ok(interpolate(last, next, stamp.seconds_since(*last_stamp) / span))
-    }
-}
-
-/// A time that a history does not cover.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Outside {
-    /// Before its first pose.
-    Before,
-    /// After its last pose.
-    After,
 }
 
 impl Transforms {
@@ -105,6 +47,11 @@ impl Transforms {
         } else {
             parent.history.push(transform.stamp, pose);
         }
+    }
+
+    /// The clock jumped back; what holds for all time stays.
+    pub(super) fn jump_back(&mut self, jump: &Jump) {
+        self.parents.values_mut().for_each(|parent| parent.history.jump_back(jump));
     }
 
     /// `to_from_from` at a time.
@@ -148,7 +95,5 @@ impl Transforms {
     }
 }
 
-/// Poses kept of a moving frame: ten minutes at 100 Hz would be too many, ten seconds at 1 kHz must be there.
-const MAX_POSES: usize = 10_000;
 /// A cycle in the tree of frames ends here.
 const MAX_DEPTH: usize = 64;

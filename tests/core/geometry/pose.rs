@@ -1,0 +1,108 @@
+use super::{ROUNDING, pose_distance, poses, vectors};
+use ellipsoid_slam::geometry::{Pose, exp, interpolate, local, log, retract, skew, yaw_of};
+use nalgebra::{Matrix4, Point3, Vector3, Vector6};
+use proptest::prelude::*;
+use std::f64::consts::FRAC_PI_2;
+
+fn twists() -> impl Strategy<Value = Vector6<f64>> {
+    // Also angles around the switch to the Taylor series, and none at all.
+    let sizes = prop_oneof![Just(0.0), Just(1e-7), Just(0.99e-4), Just(1.01e-4), 0.0..1.0];
+    (vectors(1.0), sizes, vectors(3.0)).prop_map(|(axis, size, shift)| {
+        let phi = axis * (size * 1.7);
+        Vector6::new(phi.x, phi.y, phi.z, shift.x, shift.y, shift.z)
+    })
+}
+
+/// The exponential as the sum of its series.
+fn exp_by_series(twist: &Vector6<f64>) -> Matrix4<f64> {
+    let mut generator = Matrix4::zeros();
+    let phi = Vector3::new(twist[0], twist[1], twist[2]);
+    generator.fixed_view_mut::<3, 3>(0, 0).copy_from(&skew(phi));
+    generator.fixed_view_mut::<3, 1>(0, 3).copy_from(&twist.fixed_rows::<3>(3));
+    let (mut sum, mut term) = (Matrix4::identity(), Matrix4::identity());
+    for n in 1..60 {
+        term = term * generator / f64::from(n);
+        sum += term;
+    }
+    sum
+}
+
+#[test]
+fn a_quarter_turn_left_while_driving_ahead_ends_ahead_and_left() {
+    let arc = exp(&Vector6::new(0.0, 0.0, FRAC_PI_2, FRAC_PI_2, 0.0, 0.0));
+    // A circle of radius 1 m about (0, 1).
+    assert!((arc.translation.vector - Vector3::new(1.0, 1.0, 0.0)).norm() < ROUNDING);
+    assert!((yaw_of(&arc) - FRAC_PI_2).abs() < ROUNDING);
+}
+
+#[test]
+fn the_name_says_which_way_a_pose_goes() {
+    // The base stands at (2, 0) and looks to the left; a thing is 1 m ahead of it.
+    let mut odom_from_base = exp(&Vector6::new(0.0, 0.0, FRAC_PI_2, 0.0, 0.0, 0.0));
+    odom_from_base.translation.x = 2.0;
+    let thing = odom_from_base * Point3::new(1.0, 0.0, 0.0);
+    assert!((thing - Point3::new(2.0, 1.0, 0.0)).norm() < ROUNDING);
+}
+
+proptest! {
+    #[test]
+    fn exp_is_the_sum_of_its_series(twist in twists()) {
+        let difference = exp(&twist).to_homogeneous() - exp_by_series(&twist);
+        prop_assert!(difference.norm() < ROUNDING, "{difference}");
+    }
+
+    #[test]
+    fn log_takes_back_exp(twist in twists()) {
+        prop_assert!((log(&exp(&twist)) - twist).norm() < ROUNDING);
+    }
+
+    #[test]
+    fn exp_takes_back_log(pose in poses()) {
+        prop_assert!(pose_distance(&exp(&log(&pose)), &pose) < 1e-7);
+    }
+
+    #[test]
+    fn local_takes_back_retract(pose in poses(), twist in twists()) {
+        prop_assert!((local(&pose, &retract(&pose, &twist)) - twist).norm() < 1e-8);
+    }
+
+    #[test]
+    fn retract_takes_back_local(from in poses(), to in poses()) {
+        prop_assert!(pose_distance(&retract(&from, &local(&from, &to)), &to) < 1e-6);
+    }
+
+    #[test]
+    fn retract_perturbs_on_the_right(world_from_a in poses(), a_from_b in poses(), twist in twists()) {
+        let after = retract(&(world_from_a * a_from_b), &twist);
+        prop_assert!(pose_distance(&after, &(world_from_a * retract(&a_from_b, &twist))) < 1e-8);
+    }
+
+    #[test]
+    fn poses_compose_and_invert(a_from_b in poses(), b_from_c in poses(), shift in vectors(5.0)) {
+        let point_in_c = Point3::from(shift);
+        let stepwise = a_from_b * (b_from_c * point_in_c);
+        prop_assert!((a_from_b * b_from_c * point_in_c - stepwise).norm() < ROUNDING);
+        let back = (a_from_b * b_from_c).inverse() * stepwise;
+        prop_assert!((back - point_in_c).norm() < ROUNDING);
+    }
+
+    #[test]
+    fn interpolation_starts_and_ends_where_it_should(from in poses(), to in poses(), share in 0.0..1.0) {
+        prop_assert!(pose_distance(&interpolate(&from, &to, 0.0), &from) < 1e-6);
+        prop_assert!(pose_distance(&interpolate(&from, &to, 1.0), &to) < 1e-6);
+        let there = interpolate(&from, &to, share);
+        let back = interpolate(&to, &from, 1.0 - share);
+        prop_assert!(pose_distance(&there, &back) < 1e-6);
+    }
+
+    #[test]
+    fn skew_is_the_cross_product(a in vectors(3.0), b in vectors(3.0)) {
+        prop_assert!((skew(a) * b - a.cross(&b)).norm() < ROUNDING);
+    }
+
+    #[test]
+    fn yaw_is_read_back(yaw in -3.1..3.1, shift in vectors(3.0)) {
+        let pose: Pose = super::upright_pose(yaw, shift);
+        prop_assert!((yaw_of(&pose) - yaw).abs() < ROUNDING);
+    }
+}

@@ -1,0 +1,99 @@
+use super::{independent, map_of, observation, only};
+use ellipsoid_slam::{
+    geometry::{Ellipsoid, Pose},
+    mapping::{MappingSettings, ObjectId, ObjectMap, Observation},
+    time::Stamp,
+};
+use nalgebra::Vector3;
+
+fn chair(x: f64, y: f64) -> Observation {
+    named("chair", x, y)
+}
+
+fn named(label: &str, x: f64, y: f64) -> Observation {
+    let e = Ellipsoid::new(Pose::translation(x, y, 0.45), Vector3::new(0.3, 0.25, 0.45));
+    observation(label, e, independent(&e, 0.05, 0.03, 0.02))
+}
+
+#[test]
+fn other_labels_are_other_objects() {
+    let map =
+        map_of([named("chair", 0.0, 0.0), named("couch", 0.0, 0.0), named("chair", 0.0, 0.0)]);
+    let seen: Vec<(&str, u32)> = map.all().iter().map(|o| (o.label(), o.observations)).collect();
+    assert_eq!(seen, [("chair", 2), ("couch", 1)]);
+}
+
+#[test]
+fn what_is_far_is_another_object() {
+    // The gate is 0.8 of the footprint's half diagonal: 0.31 m.
+    assert_eq!(map_of([chair(0.0, 0.0), chair(0.3, 0.0)]).all().len(), 1);
+    assert_eq!(map_of([chair(0.0, 0.0), chair(0.33, 0.0)]).all().len(), 2);
+}
+
+#[test]
+fn what_stands_on_top_is_another_object() {
+    let mut upper = chair(0.0, 0.0);
+    upper.ellipsoid.pose.translation.z = 2.0;
+    assert_eq!(map_of([chair(0.0, 0.0), upper]).all().len(), 2);
+}
+
+#[test]
+fn of_two_neighbours_each_gets_its_own_whatever_the_order() {
+    let settings = MappingSettings::default();
+    for swapped in [false, true] {
+        let mut map = ObjectMap::default();
+        let first =
+            map.observe(Stamp::from_secs(0.0), &[chair(0.0, 0.0), chair(0.6, 0.0)], &settings);
+        assert_eq!(first, [ObjectId(1), ObjectId(2)]);
+        // Both moved towards the first: the second one is within reach of both.
+        let mut pair = vec![chair(0.05, 0.0), chair(0.4, 0.0)];
+        let mut expected = vec![ObjectId(1), ObjectId(2)];
+        if swapped {
+            pair.reverse();
+            expected.reverse();
+        }
+        assert_eq!(map.observe(Stamp::from_secs(1.0), &pair, &settings), expected);
+    }
+}
+
+#[test]
+fn one_frame_gives_an_object_one_measurement() {
+    let mut map = ObjectMap::default();
+    let settings = MappingSettings::default();
+    let ids = map.observe(Stamp::from_secs(0.0), &[chair(0.0, 0.0), chair(0.02, 0.0)], &settings);
+    assert_ne!(ids[0], ids[1], "two boxes are two objects until a third view tells");
+}
+
+#[test]
+fn an_object_counts_after_enough_measurements() {
+    let settings = MappingSettings::default();
+    let mut map = ObjectMap::default();
+    for (second, confirmed) in [(0.0, 0), (1.0, 0), (2.0, 1)] {
+        map.observe(Stamp::from_secs(second), &[chair(0.0, 0.0)], &settings);
+        assert_eq!(map.confirmed(&settings).count(), confirmed);
+    }
+    let object = only(&map);
+    assert_eq!(object.first_seen, Stamp::from_secs(0.0));
+    assert_eq!(object.last_seen, Stamp::from_secs(2.0));
+    // Three views of 0.7: 1 - 0.65^3.
+    assert!((object.existence() - (1.0 - 0.65_f64.powi(3))).abs() < 1e-12);
+}
+
+#[test]
+fn labels_are_shares_that_sum_to_one() {
+    let mut unsure = chair(0.0, 0.0);
+    unsure.labels = vec![("chair".into(), 0.5), ("couch".into(), 0.4)];
+    let map = map_of([chair(0.0, 0.0), unsure]);
+    let labels = only(&map).labels();
+    assert!((labels["chair"] - 1.4 / 1.8).abs() < 1e-12);
+    assert!((labels.values().sum::<f64>() - 1.0).abs() < 1e-12);
+    assert_eq!(only(&map).label(), "chair");
+}
+
+#[test]
+fn the_height_of_the_support_is_averaged() {
+    let on = |height: Option<f64>| Observation { support_height_m: height, ..chair(0.0, 0.0) };
+    let map = map_of([on(None), on(Some(0.02)), on(Some(0.04)), on(None)]);
+    let height = only(&map).support_height_m.unwrap();
+    assert!((height - 0.03).abs() < 1e-12, "{height}");
+}

@@ -1,0 +1,101 @@
+use super::{in_world, measure, size_sigmas};
+use crate::scene::{Scene, looking, standing};
+use ellipsoid_slam::perception::{EllipsoidMeasurement, Side};
+use nalgebra::Vector3;
+
+/// Faces of the measurement by the world's direction they look in: the one nearest to `direction`.
+fn face_towards(
+    m: &EllipsoidMeasurement,
+    view: &crate::scene::View,
+    direction: Vector3<f64>,
+) -> usize {
+    let pose = view.world_from_camera * m.ellipsoid.pose;
+    let own = pose.rotation.inverse() * direction;
+    let axis = own.iamax();
+    2 * axis + usize::from(own[axis] > 0.0)
+}
+
+/// Seen frontally and from below its top: nothing tells how deep it is.
+#[test]
+fn depth_behind_a_frontal_face_is_hidden_and_uncertain() {
+    let mut scene = Scene::with_floor();
+    let cabinet = scene.add(standing(0.0, [2.3, 0.0, 0.9], [0.3, 0.4, 0.9]));
+    let view = scene.seen_from(&looking([0.0, 0.0, 1.2], 0.0, 5.0));
+    let m = measure(&view, "cabinet", cabinet);
+    let back = face_towards(&m, &view, Vector3::x());
+    assert_eq!(m.sides[back], Side::Hidden);
+    for seen in [-Vector3::x(), Vector3::y(), -Vector3::y()] {
+        assert_eq!(m.sides[face_towards(&m, &view, seen)], Side::Seen, "{seen}");
+    }
+    let depth_axis = back / 2;
+    let sigmas = size_sigmas(&m);
+    for axis in 0..3 {
+        if axis != depth_axis {
+            assert!(sigmas[depth_axis] > 4.0 * sigmas[axis], "{sigmas}");
+        }
+    }
+    assert!(sigmas[depth_axis] > 0.05);
+    // The front stays where it was seen, whatever is guessed of the back.
+    let e = in_world(&m, &view, scene.thing(cabinet));
+    assert!((e.center().x - e.semi_axes.x - 2.0).abs() < 0.015, "{e:?}");
+    assert!((e.semi_axes.y - 0.4).abs() < 0.015);
+    // Centre and depth are wrong together: that is what lets the next view settle both.
+    let (t, s) = (3 + depth_axis, 6 + depth_axis);
+    let c = &m.covariance;
+    let correlation = c[(t, s)] / (c[(t, t)] * c[(s, s)]).sqrt();
+    let outward = if back % 2 == 1 { 1.0 } else { -1.0 };
+    assert!(correlation * outward > 0.9, "{correlation}");
+}
+
+/// A box that the image cuts on its left.
+#[test]
+fn a_side_outside_the_image_is_not_seen() {
+    let mut scene = Scene::with_floor();
+    // The image shows y from -1.2 to 1.2 at 2 m: the box goes on to 1.7.
+    let chest = scene.add(standing(0.0, [2.2, 1.0, 0.25], [0.2, 0.7, 0.25]));
+    let view = scene.seen_from(&looking([0.0, 0.0, 1.1], 0.0, 20.0));
+    assert_eq!(view.box_around(chest).x_min, 0.0);
+    let m = measure(&view, "chest", chest);
+    let left = face_towards(&m, &view, Vector3::y());
+    assert!(!matches!(m.sides[left], Side::Seen | Side::Support), "{:?}", m.sides);
+    let right = face_towards(&m, &view, -Vector3::y());
+    assert_eq!(m.sides[right], Side::Seen);
+    let axis = left / 2;
+    let sigmas = size_sigmas(&m);
+    assert!(sigmas[axis] > 0.04, "{sigmas}");
+    let e = in_world(&m, &view, scene.thing(chest));
+    assert!(
+        (e.center().y - e.semi_axes.y - 0.3).abs() < 0.02,
+        "the right side is where it was seen"
+    );
+}
+
+/// A detector's box that covers half of a thing that goes on.
+#[test]
+fn a_side_that_goes_on_outside_the_box_is_cut() {
+    let mut scene = Scene::with_floor();
+    let shelf = scene.add(standing(0.0, [2.2, 0.0, 0.4], [0.2, 0.7, 0.4]));
+    let view = scene.seen_from(&looking([0.0, 0.0, 1.1], 0.0, 20.0));
+    let whole = view.box_around(shelf);
+    let x_max = whole.x_min + 0.85 * whole.width();
+    let half = ellipsoid_slam::geometry::Rect::new(whole.x_min, whole.y_min, x_max, whole.y_max);
+    let m = super::estimate_box(&view, "shelf", half.unwrap()).unwrap();
+    let right = face_towards(&m, &view, -Vector3::y());
+    let left = face_towards(&m, &view, Vector3::y());
+    assert_eq!((m.sides[left], m.sides[right]), (Side::Seen, Side::Cut));
+    assert!(size_sigmas(&m)[right / 2] > 0.04);
+}
+
+/// Something nearer covers the left part.
+#[test]
+fn a_side_behind_something_else_is_hidden() {
+    let mut scene = Scene::with_floor();
+    let chest = scene.add(standing(0.0, [2.4, 0.0, 0.3], [0.2, 0.6, 0.3]));
+    scene.add(standing(0.0, [1.2, 0.45, 0.7], [0.05, 0.3, 0.7]));
+    let view = scene.seen_from(&looking([0.0, 0.0, 1.1], 0.0, 20.0));
+    let m = measure(&view, "chest", chest);
+    let left = face_towards(&m, &view, Vector3::y());
+    assert!(matches!(m.sides[left], Side::Hidden | Side::Mirrored | Side::Cut), "{:?}", m.sides);
+    assert_eq!(m.sides[face_towards(&m, &view, -Vector3::y())], Side::Seen);
+    assert!(size_sigmas(&m)[left / 2] > 0.03, "{}", size_sigmas(&m));
+}

@@ -1,0 +1,103 @@
+use super::{Run, boxes, camera_info, camera_on_base, color_camera, depth, odometry, transform};
+use ellipsoid_slam::{
+    geometry::{Camera, Distortion, Pose},
+    pipeline::{CameraRole, Input, Settings},
+};
+
+/// Feeds what there is, then images and boxes; returns reasons and sentences.
+fn drops_with(given: Vec<Input>) -> Vec<(&'static str, String)> {
+    let mut run = Run::new(Settings::default());
+    run.feed(given);
+    for ms in (100..400).step_by(100) {
+        run.feed([depth(ms), boxes(ms)]);
+    }
+    assert!(run.total.poses.is_empty(), "nothing can be said of where the base is");
+    run.finish();
+    assert_eq!(run.total.poses.len() + run.total.dropped.len(), 3, "no image is lost in silence");
+    run.total.dropped.into_iter().map(|d| (d.reason, d.why)).collect()
+}
+
+#[test]
+fn a_missing_calibration_is_named() {
+    let drops = drops_with(vec![camera_on_base(), odometry(0), odometry(1000)]);
+    assert!(drops.iter().all(|(reason, _)| *reason == "no_camera_info"), "{drops:?}");
+}
+
+#[test]
+fn a_missing_camera_mount_is_named_with_both_frames() {
+    let drops = drops_with(vec![color_camera(), odometry(0), odometry(1000)]);
+    for (reason, why) in drops {
+        assert_eq!(reason, "no_transform");
+        assert!(why.contains("\"camera\"") && why.contains("\"base_link\""), "{why}");
+    }
+}
+
+#[test]
+fn missing_odometry_is_named_with_both_frames() {
+    let drops = drops_with(vec![color_camera(), camera_on_base()]);
+    for (reason, why) in drops {
+        assert_eq!(reason, "no_transform");
+        assert!(why.contains("\"odom\"") && why.contains("\"base_link\""), "{why}");
+    }
+}
+
+#[test]
+fn odometry_that_ends_too_soon_is_named() {
+    let drops = drops_with(vec![color_camera(), camera_on_base(), odometry(0), odometry(50)]);
+    assert!(drops.iter().all(|(reason, _)| *reason == "no_odometry"), "{drops:?}");
+}
+
+#[test]
+fn images_before_the_first_odometry_are_named_and_later_ones_used() {
+    let mut run = Run::ready();
+    run.feed([depth(0), boxes(0), depth(300), boxes(300), odometry(200), odometry(400)]);
+    run.finish();
+    assert_eq!(run.posed(), [300]);
+    assert_eq!(run.dropped(), [(0, "no_odometry")]);
+}
+
+#[test]
+fn a_transform_that_comes_later_is_waited_for() {
+    let mut run = Run::new(Settings::default());
+    run.feed([color_camera(), odometry(0), odometry(1000), depth(100), boxes(100)]);
+    assert!(run.total.dropped.is_empty() && run.total.poses.is_empty());
+    run.feed([camera_on_base()]);
+    assert_eq!(run.keyframes(), [100]);
+}
+
+#[test]
+fn a_depth_image_of_another_size_is_refused_with_both_sizes() {
+    let large = Camera::new((640, 480), (525.0, 525.0), (319.5, 239.5), Distortion::None).unwrap();
+    let mut run = Run::new(Settings::default());
+    run.feed([camera_info(CameraRole::Color, "camera", large), camera_on_base()]);
+    run.feed([odometry(0), odometry(1000), depth(100), boxes(100)]);
+    assert_eq!(run.dropped(), [(100, "size_mismatch")]);
+    let why = &run.total.dropped[0].why;
+    assert!(
+        why.contains("16x12") && why.contains("640x480") && why.contains("\"camera\""),
+        "{why}"
+    );
+    assert_eq!(run.posed(), [100], "where the base was is known all the same");
+}
+
+#[test]
+fn a_ring_of_frames_ends() {
+    let mut run = Run::ready();
+    run.feed([
+        transform(true, 0, ["a", "base_link"], Pose::identity()),
+        transform(true, 0, ["base_link", "a"], Pose::identity()),
+        depth(100),
+        boxes(100),
+    ]);
+    run.finish();
+    assert_eq!(run.dropped().len(), 1);
+}
+
+#[test]
+fn a_new_calibration_is_used_from_then_on() {
+    let mut run = Run::ready();
+    run.feed([odometry(0), odometry(1000), depth(100), boxes(100)]);
+    let longer = Camera::new((16, 12), (28.0, 28.0), (7.5, 5.5), Distortion::None).unwrap();
+    run.feed([camera_info(CameraRole::Color, "camera", longer), depth(200), boxes(200)]);
+    assert_eq!(run.keyframes(), [100, 200]);
+}
