@@ -166,7 +166,7 @@ fn odometry(stamp: Stamp, reading: &OdometryReading) -> OdometryMessage {
         frame_id: ODOM_FRAME.into(),
         child_frame_id: BASE_FRAME.into(),
         odom_from_base: reading.odom_from_base,
-        covariance: Some(reading.covariance),
+        covariance: Some(Box::new(reading.covariance)),
     }
 }
 
