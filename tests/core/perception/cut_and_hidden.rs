@@ -90,7 +90,7 @@ fn a_side_that_goes_on_outside_the_box_is_cut() {
     match m.sides[right] {
         Side::Cut => assert!(sigma > 0.04, "{sigma}"),
         // Symmetry, judged on the whole image, may know more than the box.
-        Side::Mirrored => assert!((right_end + 0.7).abs() < 6.0 * sigma, "{right_end} ± {sigma}"),
+        Side::Mirrored => assert!((right_end + 0.7).abs() < 3.0 * sigma, "{right_end} ± {sigma}"),
         other => panic!("{other:?}, and it ends at {right_end} ± {sigma}"),
     }
 }
