@@ -1,13 +1,25 @@
 //! Object-level SLAM for indoor robots: from RGB-D frames, 2D boxes and odometry to a map of ellipsoids.
 //!
-//! The map of the house, in reading order.
+//! The map of the house, in reading order. Every layer uses only layers above it; a test holds this.
 
 pub mod time;
 
 pub mod geometry;
-pub mod mapping;
+
 pub mod perception;
+
+pub mod mapping;
+
 pub mod pipeline;
 
-pub mod io;
+pub mod config;
+
 pub mod msg;
+
+pub mod io;
+
+pub mod sim;
+
+pub mod eval;
+
+pub mod cli;

@@ -34,9 +34,9 @@ pub enum CameraError {
         "focal lengths fx={fx}, fy={fy} are not positive numbers: the camera is not calibrated"
     )]
     FocalLength {
-        /// Horizontal focal length [px].
+        /// Horizontal focal length (px).
         fx: f64,
-        /// Vertical focal length [px].
+        /// Vertical focal length (px).
         fy: f64,
     },
     /// The principal point or a distortion coefficient is not finite.
@@ -53,7 +53,7 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// A camera of `size` = `(width, height)` pixels with `focal` = `(fx, fy)` and `principal` = `(cx, cy)` [px].
+    /// A camera of `size` = `(width, height)` pixels with `focal` = `(fx, fy)` and `principal` = `(cx, cy)` (px).
     ///
     /// # Errors
     /// When a number is not finite, a focal length is not positive or the image is empty.
@@ -93,12 +93,12 @@ impl Camera {
         self.height
     }
 
-    /// Focal lengths `(fx, fy)` [px].
+    /// Focal lengths `(fx, fy)` (px).
     pub fn focal(&self) -> (f64, f64) {
         (self.fx, self.fy)
     }
 
-    /// Principal point `(cx, cy)` [px].
+    /// Principal point `(cx, cy)` (px).
     pub fn principal(&self) -> (f64, f64) {
         (self.cx, self.cy)
     }

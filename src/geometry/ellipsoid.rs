@@ -7,15 +7,15 @@ use nalgebra::{
 };
 use thiserror::Error;
 
-/// An ellipsoid: `pose` takes its own axes to the frame it is given in, `semi_axes` are half its extents [m].
+/// An ellipsoid: `pose` takes its own axes to the frame it is given in, `semi_axes` are half its extents (m).
 ///
-/// Its tangent space has nine dimensions: rotation [rad] and translation [m] in the ellipsoid's own frame
+/// Its tangent space has nine dimensions: rotation (rad) and translation (m) in the ellipsoid's own frame
 /// (right perturbation), then the logarithms of the semi-axes, which keeps them positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     /// `frame_from_ellipsoid`.
     pub pose: Pose,
-    /// Positive half extents along the ellipsoid's own x, y, z [m].
+    /// Positive half extents along the ellipsoid's own x, y, z (m).
     pub semi_axes: Vector3<f64>,
 }
 
@@ -30,13 +30,13 @@ pub enum EllipsoidError {
         "the dual quadric is not an ellipsoid: its smallest squared semi-axis is {smallest} m^2"
     )]
     NotAnEllipsoid {
-        /// Smallest eigenvalue of the shape matrix [m^2].
+        /// Smallest eigenvalue of the shape matrix (m^2).
         smallest: f64,
     },
 }
 
 impl Ellipsoid {
-    /// An ellipsoid from its pose and positive semi-axes [m].
+    /// An ellipsoid from its pose and positive semi-axes (m).
     pub fn new(pose: Pose, semi_axes: Vector3<f64>) -> Self {
         debug_assert!(semi_axes.iter().all(|s| *s > 0.0), "semi-axes {semi_axes} must be positive");
         Self { pose, semi_axes }

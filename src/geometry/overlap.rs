@@ -3,12 +3,12 @@
 use super::{Ellipsoid, Pose};
 use nalgebra::{Point3, Vector3};
 
-/// A box: `pose` takes its own axes to the frame it is given in, `half_extents` are positive [m].
+/// A box: `pose` takes its own axes to the frame it is given in, `half_extents` are positive (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
     /// `frame_from_box`; the origin is the box's centre.
     pub pose: Pose,
-    /// Half the side lengths along the box's own x, y, z [m].
+    /// Half the side lengths along the box's own x, y, z (m).
     pub half_extents: Vector3<f64>,
 }
 
@@ -20,7 +20,7 @@ impl From<&Ellipsoid> for OrientedBox {
 }
 
 impl OrientedBox {
-    /// Volume [m^3].
+    /// Volume (m^3).
     pub fn volume(&self) -> f64 {
         8.0 * self.half_extents.product()
     }
@@ -61,7 +61,7 @@ impl OrientedBox {
 
 type Polygon = Vec<Vector3<f64>>;
 
-/// Volume of the common part [m^3], exact: the faces of one box are clipped by the other's half spaces.
+/// Volume of the common part (m^3), exact: the faces of one box are clipped by the other's half spaces.
 pub fn intersection_volume(a: &OrientedBox, b: &OrientedBox) -> f64 {
     let a_from_b = a.pose.inverse() * b.pose;
     let mut faces: Vec<Polygon> = b.faces();

@@ -8,7 +8,7 @@ use nalgebra::{Point3, Unit, Vector3};
 pub struct Plane {
     /// Unit normal; for a support plane it points up.
     pub normal: Unit<Vector3<f64>>,
-    /// `-normal · x` for any `x` on the plane [m].
+    /// `-normal · x` for any `x` on the plane (m).
     pub offset: f64,
 }
 
@@ -18,7 +18,7 @@ impl Plane {
         Self { normal, offset: -normal.dot(&point.coords) }
     }
 
-    /// Distance of `point` from the plane [m], positive on the side of the normal.
+    /// Distance of `point` from the plane (m), positive on the side of the normal.
     pub fn signed_distance(&self, point: &Point3<f64>) -> f64 {
         self.normal.dot(&point.coords) + self.offset
     }

@@ -42,13 +42,13 @@ pub fn interpolate(from: &Pose, to: &Pose, fraction: f64) -> Pose {
     retract(from, &(local(from, to) * fraction))
 }
 
-/// Heading of the x axis in the horizontal plane [rad], counter-clockwise seen from above.
+/// Heading of the x axis in the horizontal plane (rad), counter-clockwise seen from above.
 pub fn yaw_of(pose: &Pose) -> f64 {
     let x = pose.rotation * Vector3::x();
     x.y.atan2(x.x)
 }
 
-/// Below this angle [rad] the closed forms lose digits and their Taylor series is exact to machine precision.
+/// Below this angle (rad) the closed forms lose digits and their Taylor series is exact to machine precision.
 const SMALL_ANGLE: f64 = 1e-4;
 
 fn left_jacobian(phi: Vector3<f64>) -> Matrix3<f64> {

@@ -73,9 +73,8 @@ impl BagInput {
         let bag = BagReader::open(path)?;
         let roles = Roles::assign(bag.topics(), remaps)
             .map_err(|source| InputError::Roles { path: path.to_owned(), source })?;
-        let input = Self { bag, roles };
-        input.check_sizes(path)?;
-        Ok(input)
+        check_usable(&bag, &roles, path)?;
+        Ok(Self { bag, roles })
     }
 
     /// The bag.
@@ -103,48 +102,52 @@ impl BagInput {
         let used = |name: &str| self.roles.core_topics().any(|topic| topic == name);
         self.bag.topics().iter().filter(|topic| used(&topic.name)).map(|topic| topic.messages).sum()
     }
+}
 
-    /// Compares the first usable depth image with the calibration that it needs.
-    fn check_sizes(&self, path: &Path) -> Result<(), InputError> {
-        let own_info = self.roles.depth_camera_info.as_ref();
-        let info_topic = own_info.unwrap_or(&self.roles.camera_info);
-        let depth_size = |input: Input| match input {
-            Input::Depth(depth) => Some((depth.image.width(), depth.image.height())),
+/// Whether every topic that must be there has a usable message, and whether the first depth image has the size that
+/// the calibration it needs states.
+pub(super) fn check_usable(bag: &BagReader, roles: &Roles, path: &Path) -> Result<(), InputError> {
+    let info_size = |wanted: CameraRole| {
+        move |input: Input| match input {
+            Input::Camera(info) if info.role == wanted => {
+                Some((info.camera.width(), info.camera.height()))
+            }
             _ => None,
-        };
-        let info_size = |wanted: CameraRole| {
-            move |input: Input| match input {
-                Input::Camera(info) if info.role == wanted => {
-                    Some((info.camera.width(), info.camera.height()))
-                }
-                _ => None,
-            }
-        };
-        let color = info_size(CameraRole::Color);
-        let color = self.first(path, Role::CameraInfo, &self.roles.camera_info, color)?;
-        let info = match own_info {
-            Some(topic) => {
-                self.first(path, Role::DepthCameraInfo, topic, info_size(CameraRole::Depth))?
-            }
-            None => color,
-        };
-        let depth = self.first(path, Role::Depth, &self.roles.depth, depth_size)?;
-        if depth == info {
-            return Ok(());
         }
-        let (path, depth_topic) = (path.to_owned(), self.roles.depth.clone());
-        let info_topic = info_topic.clone();
-        Err(InputError::SizesDiffer { path, depth_topic, depth, info_topic, info })
+    };
+    let first = First { bag, roles, path };
+    let color = first.usable(Role::CameraInfo, info_size(CameraRole::Color))?;
+    let (info_role, info) = match roles.depth_camera_info {
+        Some(_) => {
+            let own = first.usable(Role::DepthCameraInfo, info_size(CameraRole::Depth))?;
+            (Role::DepthCameraInfo, own)
+        }
+        None => (Role::CameraInfo, color),
+    };
+    let depth = first.usable(Role::Depth, |input| match input {
+        Input::Depth(depth) => Some((depth.image.width(), depth.image.height())),
+        _ => None,
+    })?;
+    first.usable(Role::Detections, Some)?;
+    if depth == info {
+        return Ok(());
     }
+    let (path, depth_topic) = (path.to_owned(), roles.depth.clone());
+    let info_topic = roles.topic_of(info_role).unwrap_or_default().to_owned();
+    Err(InputError::SizesDiffer { path, depth_topic, depth, info_topic, info })
+}
 
-    /// What `wanted` picks from the first usable message of a topic.
-    fn first<T>(
-        &self,
-        path: &Path,
-        role: Role,
-        topic: &str,
-        wanted: impl Fn(Input) -> Option<T>,
-    ) -> Result<T, InputError> {
+/// Looks for the first usable message of a topic.
+struct First<'a> {
+    bag: &'a BagReader,
+    roles: &'a Roles,
+    path: &'a Path,
+}
+
+impl First<'_> {
+    /// What `wanted` picks from the first usable message for a role.
+    fn usable<T>(&self, role: Role, wanted: impl Fn(Input) -> Option<T>) -> Result<T, InputError> {
+        let topic = self.roles.topic_of(role).unwrap_or_default();
         let mut decoder = Decoder::new(self.roles.clone());
         let mut first_problem: Option<Skipped> = None;
         for message in self.bag.messages().only([topic]) {
@@ -160,7 +163,7 @@ impl BagInput {
             }
         }
         let why = first_problem.map_or("there are none".to_owned(), |s| s.why.to_string());
-        let (path, topic) = (path.to_owned(), topic.to_owned());
+        let (path, topic) = (self.path.to_owned(), topic.to_owned());
         Err(InputError::NothingUsable { path, role, topic, why })
     }
 }

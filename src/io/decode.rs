@@ -5,7 +5,7 @@ use crate::{
     msg::{
         Message,
         cdr::decode,
-        convert::{self, ConvertError},
+        convert::{self, ConvertError, RgbImage},
         sensor_msgs::CompressedImage,
     },
     pipeline::{CameraRole, DepthMessage, Input},
@@ -132,6 +132,18 @@ fn depth(message: &RawMessage) -> Result<DepthMessage, ConvertError> {
         convert::compressed_depth_image(&decode(&message.data)?)
     } else {
         convert::depth_image(&decode(&message.data)?)
+    }
+}
+
+/// The picture in a message on the topic of [`Role::Rgb`](super::Role::Rgb); called only when one is to be drawn.
+///
+/// # Errors
+/// When the picture cannot be decoded.
+pub fn decode_color(message: &RawMessage) -> Result<RgbImage, ConvertError> {
+    if &*message.type_name == CompressedImage::TYPE {
+        convert::compressed_color_image(&decode(&message.data)?)
+    } else {
+        convert::color_image(&decode(&message.data)?)
     }
 }
 

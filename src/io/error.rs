@@ -51,6 +51,16 @@ pub enum BagError {
         /// The folder.
         path: PathBuf,
     },
+    /// rosbag2 compressed the file as a whole.
+    #[error(
+        "{} is compressed as a whole, which is not supported: decompress it with `zstd -d` or convert the bag with \
+         `ros2 bag convert`",
+        path.display()
+    )]
+    FileCompression {
+        /// The file.
+        path: PathBuf,
+    },
     /// `metadata.yaml` is not what rosbag2 writes.
     #[error("{}: {problem}", path.display())]
     BadMetadata {

@@ -22,6 +22,9 @@ pub(super) const MAX_RECORD_BYTES: usize = 1 << 27;
 /// How much is read at once.
 const READ_BYTES: usize = 1 << 18;
 
+/// First bytes of a file that zstd compressed.
+const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
+
 /// Where the messages of a file lie.
 #[derive(Debug)]
 pub(super) struct McapFile {
@@ -47,9 +50,9 @@ pub(super) struct Channel {
 /// only the last one of a truncated file ends inside a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Span {
-    /// Log time of the earliest message [ns].
+    /// Log time of the earliest message in nanoseconds.
     pub(super) start: u64,
-    /// Log time of the latest message [ns].
+    /// Log time of the latest message in nanoseconds.
     pub(super) end: u64,
     /// First byte.
     pub(super) offset: u64,
@@ -63,7 +66,11 @@ impl McapFile {
         let (mut file, bytes) = open(path).map_err(|source| unreadable(path, source))?;
         let mut magic = [0; mcap::MAGIC.len()];
         if file.read_exact(&mut magic).is_err() || magic != mcap::MAGIC {
-            return Err(BagError::NotMcap { path: path.to_owned() });
+            let path = path.to_owned();
+            return Err(match magic.starts_with(ZSTD_MAGIC) {
+                true => BagError::FileCompression { path },
+                false => BagError::NotMcap { path },
+            });
         }
         if let Some((channels, spans)) = indexed(&mut file, bytes) {
             return Ok(Self { path: path.to_owned(), channels, spans, warnings: Vec::new() });

@@ -137,7 +137,7 @@ impl Roles {
     pub fn assign(topics: &[Topic], remaps: &[Remap]) -> Result<Self, RoleError> {
         let (roles, missing) = Self::assign_all(topics, remaps)?;
         if !missing.is_empty() {
-            return Err(RoleError::Missing { missing, available: available(topics) });
+            return Err(RoleError::missing(missing, topics));
         }
         Ok(roles)
     }
@@ -196,9 +196,27 @@ impl Roles {
         all.map(String::as_str)
     }
 
-    /// Whether the boxes live in rectified images.
+    /// The topic for a role.
+    pub fn topic_of(&self, role: Role) -> Option<&str> {
+        let topic = match role {
+            Role::Rgb => self.rgb.as_deref(),
+            Role::Depth => Some(self.depth.as_str()),
+            Role::CameraInfo => Some(self.camera_info.as_str()),
+            Role::DepthCameraInfo => self.depth_camera_info.as_deref(),
+            Role::Odometry => self.odometry.as_deref(),
+            Role::Detections => Some(self.detections.as_str()),
+        };
+        topic.filter(|name| !name.is_empty())
+    }
+
+    /// The role of a topic; transforms have none of these.
+    pub fn role_of(&self, topic: &str) -> Option<Role> {
+        Role::ALL.iter().copied().find(|role| self.topic_of(*role) == Some(topic))
+    }
+
+    /// Whether the boxes live in rectified images; without colour images, they are taken to live in the depth images.
     pub fn is_color_rectified(&self) -> bool {
-        self.rgb.as_deref().is_some_and(is_rectified)
+        is_rectified(self.rgb.as_deref().unwrap_or(&self.depth))
     }
 
     /// Whether the depth images are rectified.
@@ -214,6 +232,13 @@ impl Roles {
             }
             None => Ok(()),
         }
+    }
+}
+
+impl RoleError {
+    /// Roles that nothing of these topics fits.
+    pub(super) fn missing(missing: Vec<Role>, topics: &[Topic]) -> Self {
+        Self::Missing { missing, available: available(topics) }
     }
 }
 
@@ -387,7 +412,11 @@ fn namespace(name: &str) -> &str {
 }
 
 fn available(topics: &[Topic]) -> Vec<(String, String)> {
-    topics.iter().map(|topic| (topic.name.clone(), topic.type_name.clone())).collect()
+    let kind = |topic: &Topic| match topic.messages {
+        0 => format!("{}, no messages", topic.type_name),
+        _ => topic.type_name.clone(),
+    };
+    topics.iter().map(|topic| (topic.name.clone(), kind(topic))).collect()
 }
 
 fn listed(topics: &[(String, String)]) -> String {

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct GateSettings {
     /// Distance of the centres on the ground, as a share of the footprint's half diagonal.
     pub max_distance_in_radii: f64,
-    /// Distance allowed to the smallest objects [m].
+    /// Distance allowed to the smallest objects (m).
     pub min_distance_m: f64,
 }
 

@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 pub struct FusionSettings {
     /// Mahalanobis distance from which a measurement loses weight (Huber).
     pub huber: f64,
-    /// Errors of similar views are correlated: no position is known better than this [m], however many views.
+    /// Errors of similar views are correlated: no position is known better than this (m), however many views.
     pub min_position_sigma_m: f64,
-    /// The same for semi-axes [m].
+    /// The same for semi-axes (m).
     pub min_size_sigma_m: f64,
-    /// The same for the heading [deg].
+    /// The same for the heading (deg).
     pub min_heading_sigma_deg: f64,
 }
 
@@ -32,7 +32,7 @@ impl Default for FusionSettings {
     }
 }
 
-/// Heading [rad], centre in the object's frame [m], semi-axes [m].
+/// Heading (rad), centre in the object's frame (m), semi-axes (m).
 type State = SVector<f64, 7>;
 type StateCovariance = SMatrix<f64, 7, 7>;
 
@@ -42,7 +42,7 @@ pub(super) struct Estimate {
     ellipsoid: Ellipsoid,
     /// Of heading, centre in the object's frame and semi-axes.
     covariance: StateCovariance,
-    /// Of roll and pitch [rad^2], which are not estimated.
+    /// Of roll and pitch (rad^2), which are not estimated.
     tilt_variance: f64,
 }
 

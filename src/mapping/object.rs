@@ -31,7 +31,7 @@ pub struct MapObject {
     pub first_seen: Stamp,
     /// Stamp of the latest measurement.
     pub last_seen: Stamp,
-    /// Height of the plane it stands on in the map frame [m], if one was seen.
+    /// Height of the plane it stands on in the map frame (m), if one was seen.
     pub support_height_m: Option<f64>,
     /// Measurements that saw that plane.
     pub(super) support_heights: u32,

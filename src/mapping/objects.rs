@@ -46,7 +46,7 @@ pub struct Observation {
     pub outline: Outline,
     /// `P_e` of the paper.
     pub probability: f64,
-    /// Height of its support plane in the map frame [m].
+    /// Height of its support plane in the map frame (m).
     pub support_height_m: Option<f64>,
 }
 

@@ -3,7 +3,7 @@
 use crate::msg::{Message, std_msgs::Header};
 use serde::{Deserialize, Serialize};
 
-/// A point [m].
+/// A point in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Along x.
@@ -92,9 +92,9 @@ impl Message for PoseWithCovariance {
 /// Linear and angular velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Twist {
-    /// Linear velocity [m/s].
+    /// Linear velocity in m/s.
     pub linear: Vector3,
-    /// Angular velocity [rad/s].
+    /// Angular velocity in rad/s.
     pub angular: Vector3,
 }
 
@@ -118,7 +118,7 @@ impl Message for TwistWithCovariance {
 /// A rigid transform.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transform {
-    /// Translation [m].
+    /// Translation in metres.
     pub translation: Vector3,
     /// Rotation.
     pub rotation: Quaternion,

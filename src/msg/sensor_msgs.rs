@@ -43,7 +43,7 @@ impl Message for CompressedImage {
     const TYPE: &'static str = "sensor_msgs/msg/CompressedImage";
 }
 
-/// The part of the sensor that was read out [px].
+/// The part of the sensor that was read out, in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RegionOfInterest {
     /// First column.

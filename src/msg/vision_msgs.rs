@@ -7,7 +7,7 @@ use crate::msg::{
 };
 use serde::{Deserialize, Serialize};
 
-/// A point in an image [px].
+/// A point in an image in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point2D {
     /// Along x.
@@ -25,7 +25,7 @@ impl Message for Point2D {
 pub struct Pose2D {
     /// Position.
     pub position: Point2D,
-    /// Turn [rad].
+    /// Turn in radians.
     pub theta: f64,
 }
 
@@ -38,9 +38,9 @@ impl Message for Pose2D {
 pub struct BoundingBox2D {
     /// Centre.
     pub center: Pose2D,
-    /// Width [px].
+    /// Width in pixels.
     pub size_x: f64,
-    /// Height [px].
+    /// Height in pixels.
     pub size_y: f64,
 }
 
@@ -53,7 +53,7 @@ impl Message for BoundingBox2D {
 pub struct BoundingBox3D {
     /// Centre.
     pub center: Pose,
-    /// Full extents [m].
+    /// Full extents in metres.
     pub size: Vector3,
 }
 

@@ -51,7 +51,7 @@ pub struct Marker {
     pub action: i32,
     /// The pose.
     pub pose: Pose,
-    /// Full extents [m].
+    /// Full extents in metres.
     pub scale: Vector3,
     /// Colour.
     pub color: ColorRGBA,

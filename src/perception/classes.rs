@@ -16,7 +16,7 @@ pub struct ClassPrior {
     /// Whether they stand on legs or feet that a depth camera may miss: their bottom is the support plane.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub legs: bool,
-    /// Usual extents [m]: the longer horizontal one, the shorter one, the height. Used for what was not seen, after
+    /// Usual extents (m): the longer horizontal one, the shorter one, the height. Used for what was not seen, after
     /// Ok et al. 2019.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size_m: Option<[f64; 3]>,
@@ -154,7 +154,7 @@ const SHAPES: &[(SymmetryType, Outline, &[&str])] = &[
 
 const LEGS: &[&str] = &["bed", "bench", "chair", "couch", "dining table"];
 
-/// Usual extents of things found in rooms [m]: long, short, height.
+/// Usual extents of things found in rooms (m): long, short, height.
 const SIZES: &[(&str, [f64; 3])] = &[
     ("backpack", [0.35, 0.25, 0.45]),
     ("bed", [2.0, 1.5, 0.6]),

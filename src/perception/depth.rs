@@ -26,7 +26,7 @@ pub enum DepthError {
 }
 
 impl DepthImage {
-    /// An image from `width * height` depths [m], row-major. Readings that are not positive and finite mean
+    /// An image from `width * height` depths (m), row-major. Readings that are not positive and finite mean
     /// "none" and become NaN.
     ///
     /// # Errors
@@ -53,12 +53,12 @@ impl DepthImage {
         self.height
     }
 
-    /// Depths [m], row-major, NaN where there is no reading.
+    /// Depths (m), row-major, NaN where there is no reading.
     pub fn metres(&self) -> &[f32] {
         &self.metres
     }
 
-    /// Depth at column `u`, row `v` [m], or nothing outside the image or without a reading.
+    /// Depth at column `u`, row `v` (m), or nothing outside the image or without a reading.
     #[inline]
     pub fn at(&self, u: i32, v: i32) -> Option<f32> {
         if u < 0 || v < 0 || u as u32 >= self.width || v as u32 >= self.height {

@@ -188,5 +188,5 @@ fn completed_points(segment: &Segment<'_>, symmetry: &[SymmetryPlane]) -> Vec<Po
 /// Classes without symmetry must not be more probable than symmetric ones.
 const UNKNOWN_SYMMETRY: f64 = 0.5;
 const MAX_FIT_POINTS: usize = 400;
-/// Objects stand upright and gravity is known to about this much [rad].
+/// Objects stand upright and gravity is known to about this much (rad).
 const TILT_SIGMA_RAD: f64 = 0.02;

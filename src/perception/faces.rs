@@ -65,13 +65,13 @@ impl Faces {
         out
     }
 
-    /// Extent along axis 0, 1 or 2 [m]; at least a few millimetres.
+    /// Extent along axis 0, 1 or 2 (m); at least a few millimetres.
     pub(super) fn extent_m(&self, axis: usize) -> f64 {
         let [low, high] = [self.faces[2 * axis], self.faces[2 * axis + 1]];
         (high.position_m + low.position_m).max(MIN_EXTENT_M)
     }
 
-    /// Centre's coordinate along axis 0, 1 or 2 [m].
+    /// Centre's coordinate along axis 0, 1 or 2 (m).
     pub(super) fn center_m(&self, axis: usize) -> f64 {
         0.5 * (self.faces[2 * axis + 1].position_m - self.faces[2 * axis].position_m)
     }
@@ -120,7 +120,7 @@ impl Faces {
         }
     }
 
-    /// Semi-axes [m] in the order x, y, z.
+    /// Semi-axes (m) in the order x, y, z.
     pub(super) fn semi_axes_m(&self) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| 0.5 * self.extent_m(axis))
     }
@@ -163,7 +163,7 @@ fn outward(yaw: f64, i: usize) -> Vector3<f64> {
         1 => Vector3::new(-sin, cos, 0.0),
         _ => Vector3::z(),
     };
-    if i % 2 == 0 { -axis } else { axis }
+    if i.is_multiple_of(2) { -axis } else { axis }
 }
 
 fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>) -> Face {
@@ -174,34 +174,42 @@ fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>
         segment.points.iter().filter(|p| p.at.coords.dot(outward) > last - RIM_M).collect();
     let sigma = rim.iter().map(|p| noise_along(p, outward)).sum::<f64>() / rim.len() as f64;
     // A face turned to the camera is a cloud of its own around the true position; the end of a face seen from the
-    // side is the last of its points.
+    // side is, on average, half a sample beyond the last of its points.
     let mut band: Vec<f64> =
         coordinates.iter().copied().filter(|c| *c > last - 5.0 * sigma - 0.004).collect();
     let share = band.len() as f64 / coordinates.len() as f64;
     let (position_m, step) = if share > FACING_SHARE {
         (quantile(&mut band, 0.5), 0.0)
     } else {
-        (last, segment.spacing_m)
+        let step = rim.iter().map(|p| sample_step_m(segment, p)).sum::<f64>() / rim.len() as f64;
+        (last + 0.5 * step, step)
     };
-    rim.retain(|p| p.at.coords.dot(outward) > position_m - 0.01 - 2.0 * sigma);
-    let side = what_lies_beyond(frame, &rim, outward, 2.0 * segment.spacing_m);
-    let sigma_m = (sigma.powi(2) / 4.0 + step.powi(2) + MODEL_SIGMA_M.powi(2)).sqrt();
+    rim.retain(|p| p.at.coords.dot(outward) > last - 0.01 - 2.0 * sigma);
+    let side = what_lies_beyond(frame, segment, &rim, outward);
+    let sigma_m = (sigma.powi(2) / 4.0 + step.powi(2) / 12.0 + MODEL_SIGMA_M.powi(2)).sqrt();
     Face { position_m, sigma_m, side }
+}
+
+/// Distance between neighbouring samples along the surface at a point: on surfaces seen at a grazing angle they lie
+/// far apart.
+fn sample_step_m(segment: &Segment<'_>, p: &SurfacePoint) -> f64 {
+    let facing = p.normal.map_or(0.7, |n| n.dot(&p.at.coords).abs() / p.at.coords.norm());
+    segment.spacing_m / facing.max(MIN_FACING)
 }
 
 /// Looks past the outermost points.
 fn what_lies_beyond(
     frame: &Frame<'_>,
+    segment: &Segment<'_>,
     rim: &[&SurfacePoint],
     outward: &Vector3<f64>,
-    min_step_m: f64,
 ) -> Side {
     let (mut free, mut surface, mut hidden) = (0, 0, 0);
     let every = rim.len().div_ceil(MAX_LOOKS).max(1);
     let looks = rim.iter().step_by(every);
     let total = looks.len();
     for p in looks {
-        let step = min_step_m.max(4.0 * p.sigma_m).max(0.02);
+        let step = (2.0 * sample_step_m(segment, p)).max(4.0 * p.sigma_m).max(0.02);
         for reach in 1..=3 {
             let beyond = p.at + outward * (step * f64::from(reach));
             match frame.look_at(&beyond) {
@@ -259,7 +267,7 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
     }
 }
 
-/// Noise of a reading along a direction [m].
+/// Noise of a reading along a direction (m).
 fn noise_along(p: &SurfacePoint, direction: &Vector3<f64>) -> f64 {
     p.sigma_m * direction.dot(&p.at.coords).abs() / p.at.coords.norm().max(1e-6)
 }
@@ -268,15 +276,17 @@ fn noise_along(p: &SurfacePoint, direction: &Vector3<f64>) -> f64 {
 const OUTLIER_SHARE: f64 = 0.01;
 /// A face with more of the points than this within its noise is turned to the camera.
 const FACING_SHARE: f64 = 0.2;
-/// Depth of the layer of outermost points [m].
+/// Depth of the layer of outermost points (m).
 const RIM_M: f64 = 0.05;
-/// Real objects have round edges and handles [m].
+/// Real objects have round edges and handles (m).
 const MODEL_SIGMA_M: f64 = 0.01;
+/// Cosine of the most grazing view that still gives samples.
+const MIN_FACING: f64 = 0.2;
 const MIN_EXTENT_M: f64 = 0.005;
 const MAX_LOOKS: usize = 80;
-/// Points this near to the support plane are taken to reach it [m].
+/// Points this near to the support plane are taken to reach it (m).
 const SUPPORT_REACH_M: f64 = 0.05;
-/// A support plane under legs may be the wrong one of two: a carpet, a step [m].
+/// A support plane under legs may be the wrong one of two: a carpet, a step (m).
 const LEGS_SIGMA_M: f64 = 0.02;
 /// Objects of one class differ in size by about this share.
 const SIZE_SPREAD: f64 = 0.25;

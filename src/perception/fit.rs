@@ -7,7 +7,7 @@ use nalgebra::{
     Cholesky, Isometry3, Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3,
 };
 
-/// Tangent of an upright ellipsoid: yaw [rad], translation in its own frame [m], log semi-axes.
+/// Tangent of an upright ellipsoid: yaw (rad), translation in its own frame (m), log semi-axes.
 type Tangent = SVector<f64, 7>;
 
 /// What a fit did.

@@ -6,9 +6,9 @@ use nalgebra::Vector2;
 /// Heading of the object's axes and how sure it is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Heading {
-    /// Angle of one of the axes in the level frame [rad], modulo a quarter turn.
+    /// Angle of one of the axes in the level frame (rad), modulo a quarter turn.
     pub(super) yaw: f64,
-    /// Standard deviation [rad].
+    /// Standard deviation (rad).
     pub(super) sigma: f64,
 }
 
@@ -96,7 +96,7 @@ pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
     *values.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
-/// `a - b` modulo a quarter turn, within ±45 degrees [rad].
+/// `a - b` modulo a quarter turn, within ±45 degrees (rad).
 pub(super) fn quarter_difference(a: f64, b: f64) -> f64 {
     let quarter = std::f64::consts::FRAC_PI_2;
     let d = (a - b).rem_euclid(quarter);
@@ -104,7 +104,7 @@ pub(super) fn quarter_difference(a: f64, b: f64) -> f64 {
 }
 
 const MIN_NORMALS: usize = 25;
-/// Spread of normals on one face, from depth noise [rad].
+/// Spread of normals on one face, from depth noise (rad).
 const FACE_SPREAD_RAD: f64 = 0.2;
-/// No heading is better than this: handles, drawers and round edges [rad].
+/// No heading is better than this: handles, drawers and round edges (rad).
 const MIN_SIGMA_RAD: f64 = 0.02;

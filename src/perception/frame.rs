@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DepthNoise {
-    /// Standard deviation at `best_range_m` [m].
+    /// Standard deviation at `best_range_m` (m).
     pub base_m: f64,
-    /// Growth with the squared distance from `best_range_m` [m/m^2].
+    /// Growth with the squared distance from `best_range_m` (m/m^2).
     pub quadratic_per_m: f64,
-    /// Range at which the sensor is best [m].
+    /// Range at which the sensor is best (m).
     pub best_range_m: f64,
 }
 
@@ -26,7 +26,7 @@ impl Default for DepthNoise {
 }
 
 impl DepthNoise {
-    /// Standard deviation [m] of a reading of `depth_m`.
+    /// Standard deviation (m) of a reading of `depth_m`.
     pub fn sigma_m(&self, depth_m: f64) -> f64 {
         self.base_m + self.quadratic_per_m * (depth_m - self.best_range_m).powi(2)
     }
@@ -106,7 +106,7 @@ impl<'a> Frame<'a> {
         self.depth
     }
 
-    /// Standard deviation of the depth reading at a pixel of depth `depth_m` [m].
+    /// Standard deviation of the depth reading at a pixel of depth `depth_m` (m).
     pub fn sigma_m(&self, depth_m: f64) -> f64 {
         self.noise.sigma_m(depth_m)
     }
@@ -118,7 +118,7 @@ impl<'a> Frame<'a> {
         Some((self.level_from_camera * (self.rays.at(u, v) * z)).into())
     }
 
-    /// Depth along the optical axis [m] of a point in the level frame, and the pixel it falls on.
+    /// Depth along the optical axis (m) of a point in the level frame, and the pixel it falls on.
     #[inline]
     pub fn project(&self, point_in_level: &Point3<f64>) -> Option<(f64, Point2<f64>)> {
         let in_camera = self.level_from_camera.inverse_transform_point(point_in_level);
@@ -150,9 +150,9 @@ pub enum Sight {
     Outside,
     /// The pixel has no depth.
     NoReading,
-    /// A surface `beyond_m` behind the point along the optical axis (negative: in front of it) [m].
+    /// A surface `beyond_m` behind the point along the optical axis (negative: in front of it) (m).
     Measured {
-        /// Measured depth less the point's depth [m].
+        /// Measured depth less the point's depth (m).
         beyond_m: f64,
     },
 }

@@ -25,11 +25,11 @@ pub struct SegmentationSettings {
     pub max_outside_box: f64,
     /// Smallest intersection over union of the box and the cluster's extent in the image.
     pub min_box_overlap: f64,
-    /// Farthest reading used [m].
+    /// Farthest reading used (m).
     pub max_range_m: f64,
-    /// Smallest height above the support plane, added to what depth noise asks for [m]; the paper's eps2 is 0.05.
+    /// Smallest height above the support plane, added to what depth noise asks for (m); the paper's eps2 is 0.05.
     pub support_margin_m: f64,
-    /// Gap that separates two clusters, added to what sampling and depth noise ask for [m].
+    /// Gap that separates two clusters, added to what sampling and depth noise ask for (m).
     pub cluster_gap_m: f64,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct SurfacePoint {
     pub(super) v: i32,
     /// In the level frame.
     pub(super) at: Point3<f64>,
-    /// Standard deviation of the reading along the viewing ray [m].
+    /// Standard deviation of the reading along the viewing ray (m).
     pub(super) sigma_m: f64,
     pub(super) normal: Option<Unit<Vector3<f64>>>,
 }
@@ -65,7 +65,7 @@ pub(super) struct SurfacePoint {
 pub(super) struct Segment<'a> {
     pub(super) points: Vec<SurfacePoint>,
     pub(super) support: Option<&'a SupportPlane>,
-    /// Distance between neighbouring samples on a surface facing the camera [m].
+    /// Distance between neighbouring samples on a surface facing the camera (m).
     pub(super) spacing_m: f64,
 }
 
@@ -215,21 +215,26 @@ impl Crop {
     }
 }
 
-/// A reading between a near and a far surface is an average of both.
+/// A reading between a near and a far surface is an average of both. A surface seen at a grazing angle changes fast
+/// too, but it goes on at the same rate.
 fn is_flying(frame: &Frame<'_>, u: i32, v: i32) -> bool {
-    let Some(z) = frame.depth().at(u, v).map(f64::from) else { return true };
-    let jump = 0.02 + 4.0 * frame.sigma_m(z);
-    let between = |a: Option<f32>, b: Option<f32>| match (a, b) {
-        (Some(a), Some(b)) => {
-            let (a, b) = (f64::from(a) - z, f64::from(b) - z);
-            a.abs().min(b.abs()) > jump && a * b < 0.0
-        }
-        (None, None) => true,
-        _ => false,
-    };
     let depth = frame.depth();
-    between(depth.at(u - 2, v), depth.at(u + 2, v))
-        || between(depth.at(u, v - 2), depth.at(u, v + 2))
+    let Some(z) = depth.at(u, v).map(f64::from) else { return true };
+    let jump = 0.02 + 4.0 * frame.sigma_m(z);
+    let between = |du: i32, dv: i32| {
+        let at = |steps: i32| depth.at(u + steps * du, v + steps * dv).map(f64::from);
+        let (Some(before), Some(after)) = (at(-1), at(1)) else {
+            return at(-1).is_none() && at(1).is_none();
+        };
+        let (a, b) = (before - z, after - z);
+        let goes_on =
+            |one: f64, two: Option<f64>| two.is_some_and(|two| (z - 2.0 * one + two).abs() < jump);
+        a.abs().min(b.abs()) > jump
+            && a * b < 0.0
+            && !goes_on(before, at(-2))
+            && !goes_on(after, at(2))
+    };
+    between(2, 0) || between(0, 2)
 }
 
 /// An object's own seat, mattress or top is a horizontal plane too: one that ends where the box ends, with more of
@@ -259,7 +264,7 @@ const OWN_PLANE_SHARE: f64 = 0.7;
 /// What lies this much lower, noise aside, is not the same plane [m].
 const OWN_PLANE_STEP_M: f64 = 0.01;
 
-/// How near to a plane a point counts as part of it [m].
+/// How near to a plane a point counts as part of it (m).
 fn margin_m(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationSettings) -> f64 {
     settings.support_margin_m + 2.0 * plane.rms_m + 2.5 * point.sigma_m * grazing(plane, point)
 }

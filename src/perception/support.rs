@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SupportSettings {
-    /// Largest angle between a plane's normal and gravity, the paper's eps0 [deg].
+    /// Largest angle between a plane's normal and gravity, the paper's eps0 (deg).
     pub max_tilt_deg: f64,
     /// Fewest points on a plane, the paper's eps1, counted at full image resolution.
     pub min_points: usize,
@@ -24,7 +24,7 @@ pub struct SupportSettings {
     pub stride_px: u32,
     /// RANSAC hypotheses a plane.
     pub hypotheses: usize,
-    /// Calibration error of the depth camera: planes are bent by about this much [m].
+    /// Calibration error of the depth camera: planes are bent by about this much (m).
     pub flatness_m: f64,
 }
 
@@ -48,14 +48,14 @@ pub struct SupportPlane {
     pub plane: Plane,
     /// Points on it, counted at full image resolution.
     pub points: usize,
-    /// Root mean square distance of its points [m].
+    /// Root mean square distance of its points (m).
     pub rms_m: f64,
     /// Points on it in the level frame, one each `stride_px` pixels, with their pixels.
     pub(super) inliers: Vec<GridPoint>,
 }
 
 impl SupportPlane {
-    /// Height of a point above the plane [m].
+    /// Height of a point above the plane (m).
     pub fn height_of(&self, point_in_level: &Point3<f64>) -> f64 {
         self.plane.signed_distance(point_in_level)
     }
@@ -72,7 +72,7 @@ pub(super) struct GridPoint {
     pub(super) u: i32,
     pub(super) v: i32,
     pub(super) at: Point3<f64>,
-    /// Standard deviation of the reading along the viewing ray [m].
+    /// Standard deviation of the reading along the viewing ray (m).
     pub(super) sigma_m: f64,
 }
 
@@ -247,5 +247,5 @@ fn repeats(planes: &[SupportPlane], inliers: &[GridPoint]) -> bool {
     })
 }
 
-/// Two surfaces nearer than this are one [m].
+/// Two surfaces nearer than this are one (m).
 const SAME_PLANE_M: f64 = 0.025;

@@ -29,7 +29,7 @@ pub struct SymmetryPlane {
     pub probability: f64,
     /// Share of the mirrored points that the depth image can judge, in [0, 1].
     pub evidence: f64,
-    /// Standard deviation of the plane's position along its normal [m].
+    /// Standard deviation of the plane's position along its normal (m).
     pub sigma_m: f64,
 }
 
@@ -47,7 +47,7 @@ impl Candidate {
     }
 }
 
-/// Refines the mirror plane with its normal at `angle` [rad] and coordinate `offset_m` along it, for an object that
+/// Refines the mirror plane with its normal at `angle` (rad) and coordinate `offset_m` along it, for an object that
 /// extends `extent_m` along the normal. `None` without evidence.
 pub(super) fn refine_symmetry(
     frame: &Frame<'_>,
@@ -169,9 +169,9 @@ fn score(frame: &Frame<'_>, samples: &[SurfacePoint], plane: &Plane, min_distanc
 }
 
 const MAX_SAMPLES: usize = 220;
-/// Tolerance for surfaces that are not exactly symmetric [m].
+/// Tolerance for surfaces that are not exactly symmetric (m).
 const SURFACE_SIGMA_M: f64 = 0.012;
-/// The local search turns the plane by at most this much [rad].
+/// The local search turns the plane by at most this much (rad).
 const MAX_TURN_RAD: f64 = 0.18;
 const MIN_EVIDENCE: f64 = 0.15;
 const MIN_PROBABILITY: f64 = 0.5;

@@ -72,7 +72,7 @@ pub struct OdometryMessage {
     pub odom_from_base: Pose,
     /// Covariance of the absolute pose as in `geometry_msgs/PoseWithCovariance`: translation then rotation about
     /// fixed axes, row-major; nothing where it was not filled in.
-    pub covariance: Option<[f64; 36]>,
+    pub covariance: Option<Box<[f64; 36]>>,
 }
 
 /// `parent_from_child` at a time.

@@ -46,7 +46,7 @@ pub struct Keyframe {
     pub map_from_camera: Pose,
     /// For each box, in order, what came of it.
     pub boxes: Vec<BoxResult>,
-    /// Heights of the support planes below the camera's position in the map [m].
+    /// Heights of the support planes below the camera's position in the map (m).
     pub support_heights_m: Vec<f64>,
 }
 

@@ -16,9 +16,9 @@ use std::collections::VecDeque;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SyncSettings {
-    /// Largest difference between the stamps of boxes and depth [s].
+    /// Largest difference between the stamps of boxes and depth (s).
     pub slop_s: f64,
-    /// How long a depth image waits for its boxes, in the data's time [s].
+    /// How long a depth image waits for its boxes, in the data's time (s).
     pub max_delay_s: f64,
     /// Most depth images that wait at once.
     pub max_waiting: usize,

@@ -73,7 +73,8 @@ fn read_out(
     Camera::new((width / bin_x, height / bin_y), (fx / by_x, fy / by_y), principal, distortion)
 }
 
-/// The distortion; a model without coefficients or with zeros only is none, whatever its name.
+/// The distortion; a model without coefficients or with zeros only is none, except for fisheye lenses, which bend
+/// rays without any.
 fn distortion_of(info: &CameraInfo) -> Result<Distortion, ConvertError> {
     let used = info.d.iter().rposition(|k| *k != 0.0).map_or(0, |last| last + 1);
     // The two models list their coefficients in the same order; the shorter one ends after k3.
@@ -81,7 +82,7 @@ fn distortion_of(info: &CameraInfo) -> Result<Distortion, ConvertError> {
     let mut out = [0.0; 8];
     out.iter_mut().zip(coefficients(8)).for_each(|(to, k)| *to = k);
     match (info.distortion_model.as_str(), used) {
-        (_, 0) => Ok(Distortion::None),
+        (model, 0) if !matches!(model, "equidistant" | "fisheye") => Ok(Distortion::None),
         ("plumb_bob", 1..=5) => {
             let [k1, k2, p1, p2, k3, ..] = out;
             Ok(Distortion::PlumbBob([k1, k2, p1, p2, k3]))

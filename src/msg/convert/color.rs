@@ -5,7 +5,10 @@ use super::{
     compressed::{Pixels, bad, decoded_jpeg, decoded_png},
     depth::rows,
 };
-use crate::msg::sensor_msgs::{CompressedImage, Image};
+use crate::msg::{
+    sensor_msgs::{CompressedImage, Image},
+    std_msgs::Header,
+};
 
 /// A colour image of 8 bits a channel.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,6 +59,42 @@ pub fn compressed_color_image(image: &CompressedImage) -> Result<RgbImage, Conve
         _ => return Err(bad(format, "the data is neither JPEG nor PNG".into())),
     };
     Ok(rgb_of(pixels))
+}
+
+/// The same picture as `rgb8`.
+pub fn color_image_message(header: Header, image: &RgbImage) -> Image {
+    Image {
+        header,
+        height: image.height,
+        width: image.width,
+        encoding: "rgb8".into(),
+        is_bigendian: 0,
+        step: 3 * image.width,
+        data: image.data.clone(),
+    }
+}
+
+/// The same picture as a JPEG of `quality` 1 to 100.
+///
+/// # Errors
+/// When a side is longer than the 65,535 pixels that JPEG allows.
+pub fn compressed_color_message(
+    header: Header,
+    image: &RgbImage,
+    quality: u8,
+) -> Result<CompressedImage, ConvertError> {
+    const FORMAT: &str = "rgb8; jpeg compressed bgr8";
+    let (Ok(width), Ok(height)) = (u16::try_from(image.width), u16::try_from(image.height)) else {
+        return Err(ConvertError::ImageTooLarge {
+            width: image.width.into(),
+            height: image.height.into(),
+        });
+    };
+    let mut data = Vec::new();
+    jpeg_encoder::Encoder::new(&mut data, quality)
+        .encode(&image.data, width, height, jpeg_encoder::ColorType::Rgb)
+        .map_err(|e| bad(FORMAT, e.to_string()))?;
+    Ok(CompressedImage { header, format: FORMAT.into(), data })
 }
 
 /// Three samples of 8 bits a pixel: alpha and low bytes are dropped, gray is repeated.

@@ -106,6 +106,17 @@ pub(super) fn compressed_depth(image: &CompressedImage) -> Result<DepthImage, Co
     Ok(DepthImage::new(png.width, png.height, metres)?)
 }
 
+/// Depth from a PNG file of 16 bits, in which one metre is `units_per_metre`.
+///
+/// # Errors
+/// When the file is not such a PNG.
+pub fn png_depth(png: &[u8], units_per_metre: f64) -> Result<DepthImage, ConvertError> {
+    const FORMAT: &str = "16-bit PNG";
+    let image = decoded_png(FORMAT, png)?;
+    let metres = image.gray16(FORMAT)?.map(|z| (f64::from(z) / units_per_metre) as f32).collect();
+    Ok(DepthImage::new(image.width, image.height, metres)?)
+}
+
 /// The same depth as `compressedDepth` of `16UC1`, rounded to the millimetre.
 ///
 /// # Errors

@@ -6,19 +6,21 @@ mod compressed;
 mod depth;
 mod detections;
 mod error;
+mod objects;
 mod pose;
 
 pub use camera::{camera, camera_info};
-pub use color::{RgbImage, color_image, compressed_color_image};
-pub use depth::{compressed_depth_image, depth_image};
+pub use color::{
+    RgbImage, color_image, color_image_message, compressed_color_image, compressed_color_message,
+};
+pub use compressed::{compressed_depth_message, png_depth};
+pub use depth::{compressed_depth_image, depth_image, depth_image_message};
 pub use detections::{detection_array, detections};
 pub use error::ConvertError;
+pub use objects::{boxes_3d, detections_3d, object_markers, path};
 pub use pose::{
     odometry, odometry_message, pose_message, tf_message, transform_message, transforms,
 };
-
-pub use compressed::compressed_depth_message;
-pub use depth::depth_image_message;
 
 use crate::{
     msg::{builtin_interfaces::Time, std_msgs::Header},

@@ -27,7 +27,7 @@ pub fn odometry(message: &Odometry) -> Result<OdometryMessage, ConvertError> {
         frame_id,
         child_frame_id,
         odom_from_base,
-        covariance: given.then_some(covariance),
+        covariance: given.then(|| Box::new(covariance)),
     })
 }
 
@@ -55,7 +55,7 @@ pub fn transforms(message: &TFMessage) -> (Vec<StampedTransform>, Vec<ConvertErr
 pub fn odometry_message(reading: &OdometryMessage) -> Odometry {
     let mut covariance = [[0.0; 6]; 6];
     if let Some(given) = &reading.covariance {
-        covariance.as_flattened_mut().copy_from_slice(given);
+        covariance.as_flattened_mut().copy_from_slice(given.as_slice());
     }
     Odometry {
         header: header(reading.stamp, &reading.frame_id),

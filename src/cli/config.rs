@@ -1,0 +1,27 @@
+//! `config`: the effective configuration.
+
+use super::{Outcome, replay::load_settings};
+use crate::config::settings_to_yaml;
+use clap::Parser;
+use std::path::PathBuf;
+
+/// Print the effective configuration, commented.
+#[derive(Debug, Parser)]
+pub(super) struct Args {
+    /// A parameter file to lay over the defaults.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Print JSON instead.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Outcome {
+    let settings = load_settings(args.config.as_deref())?;
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&settings)?);
+    } else {
+        print!("{}", settings_to_yaml(&settings)?);
+    }
+    Ok(())
+}

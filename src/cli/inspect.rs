@@ -1,0 +1,33 @@
+//! `inspect`: what a bag has and what is missing.
+
+use super::{Outcome, replay::load_settings};
+use crate::io::{Remap, inspect};
+use clap::Parser;
+use std::path::PathBuf;
+
+/// Say which topics of a bag would be used for what, how well they fit and what is missing.
+#[derive(Debug, Parser)]
+pub(super) struct Args {
+    /// An `.mcap` file or a rosbag2 folder.
+    bag: PathBuf,
+    /// A parameter file, as for replay.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Use a topic for a role, as for replay.
+    #[arg(short = 'r', long = "remap", value_name = "ROLE:=/TOPIC")]
+    remaps: Vec<Remap>,
+    /// Print JSON instead.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Outcome {
+    let settings = load_settings(args.config.as_deref())?;
+    let report = inspect(&args.bag, &args.remaps, settings.sync.slop_s)?;
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        println!("{report}");
+    }
+    Ok(())
+}

@@ -1,0 +1,83 @@
+//! The command line, a file a subcommand.
+
+mod config;
+mod demo;
+mod import;
+mod inspect;
+mod recording;
+mod replay;
+mod results;
+mod simulate;
+mod simulate_settings;
+mod timing;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Object-level SLAM for indoor robots: from RGB-D frames and 2D boxes to a map of ellipsoids.
+#[derive(Debug, Parser)]
+#[command(name = "ellipsoid_slam", version, about, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Say more; twice: everything.
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Replay(replay::Args),
+    Demo(demo::Args),
+    Inspect(inspect::Args),
+    Import(import::Args),
+    Simulate(simulate::Args),
+    Config(config::Args),
+}
+
+/// What went wrong, with the exit status it has.
+#[derive(Debug)]
+enum Failure {
+    /// The arguments ask for what must not be done: status 2.
+    Usage(String),
+    /// The work failed: status 1.
+    Failed(anyhow::Error),
+}
+
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+type Outcome = Result<(), Failure>;
+
+/// Runs the program: 0 when done, 1 when the work failed, 2 for wrong usage.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let level = match cli.verbose {
+        0 => tracing::Level::WARN,
+        1 => tracing::Level::INFO,
+        _ => tracing::Level::DEBUG,
+    };
+    tracing_subscriber::fmt().with_max_level(level).with_writer(std::io::stderr).init();
+    let outcome = match &cli.command {
+        Command::Replay(args) => replay::run(args),
+        Command::Demo(args) => demo::run(args),
+        Command::Inspect(args) => inspect::run(args),
+        Command::Import(args) => import::run(args),
+        Command::Simulate(args) => simulate::run(args),
+        Command::Config(args) => config::run(args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Usage(why)) => {
+            eprintln!("error: {why}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Failed(error)) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! `replay`: a bag goes in, an object map comes out.
+
+use super::{
+    Failure, Outcome,
+    results::{Results, check_overwrite},
+    timing::{KeyframeTime, Stopwatch, now, peak_memory_mb},
+};
+use crate::{
+    config::settings_from_yaml,
+    io::{BagInput, Remap, Roles},
+    pipeline::{Dropped, ObjectSlam, Settings, Update},
+};
+use anyhow::{Context, anyhow};
+use clap::Parser;
+use indicatif::ProgressBar;
+use serde::Serialize;
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// Run on a bag: as fast as it can, deterministic.
+#[derive(Clone, Debug, Parser)]
+pub(super) struct Args {
+    /// An `.mcap` file or a rosbag2 folder.
+    pub(super) bag: PathBuf,
+    /// A parameter file; `ellipsoid_slam config` prints one.
+    #[arg(long, value_name = "FILE")]
+    pub(super) config: Option<PathBuf>,
+    /// Folder for the results; by default the bag's name with `_result`, here.
+    #[arg(long, short, value_name = "DIR")]
+    pub(super) output: Option<PathBuf>,
+    /// Use a topic for a role: rgb, depth, camera_info, depth_camera_info, odometry, detections.
+    #[arg(short = 'r', long = "remap", value_name = "ROLE:=/TOPIC")]
+    pub(super) remaps: Vec<Remap>,
+    /// Overwrite an earlier result.
+    #[arg(long)]
+    pub(super) force: bool,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// `summary.json`.
+#[derive(Debug, Serialize)]
+pub(super) struct Summary {
+    topics: Roles,
+    warnings: Vec<String>,
+    messages: u64,
+    /// By topic, then by reason.
+    skipped_messages: BTreeMap<String, BTreeMap<&'static str, u64>>,
+    frames: usize,
+    keyframes: usize,
+    /// By reason.
+    dropped: BTreeMap<&'static str, u64>,
+    boxes: usize,
+    /// By reason.
+    refused_boxes: BTreeMap<&'static str, u64>,
+    pub(super) objects: usize,
+    keyframe_time: Option<KeyframeTime>,
+    seconds: f64,
+    peak_memory_mb: Option<f64>,
+}
+
+pub(super) fn run(args: &Args) -> Outcome {
+    let folder = output_folder(args);
+    check_overwrite(&folder, args.force)?;
+    let summary = replay(args, &folder)?;
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&summary)?);
+    } else {
+        print_summary(&summary, &folder);
+    }
+    Ok(())
+}
+
+pub(super) fn output_folder(args: &Args) -> PathBuf {
+    args.output.clone().unwrap_or_else(|| {
+        let stem = args.bag.file_stem().unwrap_or_default().to_string_lossy();
+        PathBuf::from(format!("{stem}_result"))
+    })
+}
+
+/// Settings from a file, or the defaults.
+pub(super) fn load_settings(config: Option<&Path>) -> anyhow::Result<Settings> {
+    let Some(path) = config else { return Ok(Settings::default()) };
+    let text = fs::read_to_string(path)
+        .with_context(|| format!("cannot read the configuration {}", path.display()))?;
+    settings_from_yaml(&text).with_context(|| path.display().to_string())
+}
+
+/// Replays the bag and writes the results.
+pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
+    let started = now();
+    let settings = load_settings(args.config.as_deref())?;
+    let input = BagInput::open(&args.bag, &args.remaps)?;
+    let mut slam = ObjectSlam::new(settings);
+    let mut run = Run::new(Results::create(folder)?);
+    let progress = ProgressBar::new(input.message_count());
+    let mut inputs = input.inputs();
+    while let Some(message) = inputs.next() {
+        run.results.pass_on(&message)?;
+        let update = slam.handle(message, &mut run.stopwatch);
+        run.take(&update, &slam)?;
+        progress.set_position(inputs.messages_read());
+    }
+    let update = slam.finish(&mut run.stopwatch);
+    run.take(&update, &slam)?;
+    progress.finish_and_clear();
+
+    let mut warnings: Vec<String> = input.bag().warnings().map(ToString::to_string).collect();
+    warnings.extend(inputs.warnings().iter().map(ToString::to_string));
+    let mut skipped_messages: BTreeMap<String, BTreeMap<&'static str, u64>> = BTreeMap::new();
+    for (topic, reason, count, first) in inputs.skipped().iter() {
+        warnings.push(format!("{count} x {first}"));
+        skipped_messages.entry(topic.to_owned()).or_default().insert(reason, count);
+    }
+    warnings.extend(run.dropped.values().map(|d| format!("{} x {}", d.count, d.first)));
+    if run.keyframes == 0 {
+        return Err(nothing_to_work_on(&args.bag, &run, &warnings).into());
+    }
+    let summary = Summary {
+        topics: input.roles().clone(),
+        warnings,
+        messages: inputs.messages_read(),
+        skipped_messages,
+        frames: run.frames,
+        keyframes: run.keyframes,
+        dropped: run.dropped.iter().map(|(reason, d)| (*reason, d.count)).collect(),
+        boxes: run.boxes,
+        refused_boxes: run.refused.clone(),
+        objects: slam.objects().count(),
+        keyframe_time: run.stopwatch.keyframe_time(),
+        seconds: (now() - started).as_secs_f64(),
+        peak_memory_mb: peak_memory_mb(),
+    };
+    let mut json = serde_json::to_string_pretty(&summary)?;
+    json.push('\n');
+    let csv = run.stopwatch.csv();
+    run.results.finish(&slam, &csv, &json)?;
+    Ok(summary)
+}
+
+/// What a replay counts on its way.
+struct Run {
+    results: Results,
+    stopwatch: Stopwatch,
+    frames: usize,
+    keyframes: usize,
+    boxes: usize,
+    dropped: BTreeMap<&'static str, Counted>,
+    refused: BTreeMap<&'static str, u64>,
+}
+
+struct Counted {
+    count: u64,
+    first: String,
+}
+
+impl Run {
+    fn new(results: Results) -> Self {
+        Self {
+            results,
+            stopwatch: Stopwatch::default(),
+            frames: 0,
+            keyframes: 0,
+            boxes: 0,
+            dropped: BTreeMap::new(),
+            refused: BTreeMap::new(),
+        }
+    }
+
+    fn take(&mut self, update: &Update, slam: &ObjectSlam) -> anyhow::Result<()> {
+        let (odom_frame, base_frame) = slam.frames();
+        for pose in &update.poses {
+            self.results.pose(pose, odom_frame, base_frame)?;
+        }
+        self.frames += update.poses.len();
+        for keyframe in &update.keyframes {
+            self.keyframes += 1;
+            self.boxes += keyframe.boxes.len();
+            for refused in keyframe.boxes.iter().filter_map(|b| b.measurement.as_ref().err()) {
+                *self.refused.entry(refused.reason()).or_default() += 1;
+            }
+            self.stopwatch.end_keyframe(keyframe.stamp);
+            self.results.keyframe(keyframe, slam)?;
+        }
+        for Dropped { reason, why, .. } in &update.dropped {
+            let entry =
+                self.dropped.entry(reason).or_insert(Counted { count: 0, first: why.clone() });
+            entry.count += 1;
+        }
+        Ok(())
+    }
+}
+
+fn nothing_to_work_on(bag: &Path, run: &Run, warnings: &[String]) -> anyhow::Error {
+    let why = if warnings.is_empty() {
+        format!("{} depth images came without boxes", run.frames)
+    } else {
+        warnings.join("; ")
+    };
+    anyhow!("{}: no depth image could be paired with boxes and a pose: {why}", bag.display())
+}
+
+fn print_summary(summary: &Summary, folder: &Path) {
+    for warning in &summary.warnings {
+        eprintln!("warning: {warning}");
+    }
+    println!(
+        "{} objects from {} keyframes of {} RGB-D frames ({} of {} boxes gave an ellipsoid)",
+        summary.objects,
+        summary.keyframes,
+        summary.frames,
+        summary.boxes as u64 - summary.refused_boxes.values().sum::<u64>(),
+        summary.boxes,
+    );
+    if let Some(time) = summary.keyframe_time {
+        println!(
+            "a keyframe took {:.1} ms on average (median {:.1}, p99 {:.1}); {:.1} s in all; {:.0} MB of memory at the peak",
+            time.mean_ms,
+            time.median_ms,
+            time.p99_ms,
+            summary.seconds,
+            summary.peak_memory_mb.unwrap_or(f64::NAN),
+        );
+    }
+    println!("results are in {}", folder.display());
+}

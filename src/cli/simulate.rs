@@ -1,0 +1,239 @@
+//! `simulate`: a bag of a made-up scene, with exact ground truth.
+
+use super::{
+    Failure, Outcome,
+    recording::{
+        BASE_FRAME, CAMERA_FRAME, ODOM_FRAME, Recording, refuse_existing, truth_path, write_truth,
+    },
+    results::MAP_FRAME,
+    simulate_settings::{self, SceneName, TrajectoryName},
+};
+use crate::{
+    eval::{self, TrueObject},
+    geometry::interpolate,
+    perception::{DepthImage, Detection},
+    pipeline::{DepthMessage, DetectionsMessage, OdometryMessage, StampedTransform},
+    sim::{GroundTruth, OdometryReading, SimulatedFrame, Simulation},
+    time::Stamp,
+};
+use anyhow::Context;
+use clap::Parser;
+use indicatif::ProgressBar;
+use std::path::PathBuf;
+
+/// Write a bag of a simulated scene, and its true objects as STEM.gt.json beside it.
+#[derive(Debug, Parser)]
+pub(super) struct Args {
+    /// Where things stand.
+    #[arg(long, value_enum, required_unless_present_any = ["settings", "print_settings"])]
+    pub(super) scene: Option<SceneName>,
+    /// How the camera moves.
+    #[arg(long, value_enum, required_unless_present_any = ["settings", "print_settings"])]
+    pub(super) trajectory: Option<TrajectoryName>,
+    /// Draws poses, sizes and clutter, and all noise [default: 1].
+    #[arg(long, value_name = "N")]
+    pub(super) seed: Option<u64>,
+    /// How many RGB-D frames [default: what suits the trajectory].
+    #[arg(long, value_name = "N")]
+    pub(super) frames: Option<usize>,
+    /// Without any noise, miss, delay, drift or limit of range.
+    #[arg(long)]
+    pub(super) perfect: bool,
+    /// A YAML file of settings; `simulate --print-settings` prints one.
+    #[arg(long, value_name = "FILE")]
+    pub(super) settings: Option<PathBuf>,
+    /// Any setting by its name, laid over all others: detector.miss=0.2
+    #[arg(long = "set", value_name = "GROUP.NAME=VALUE")]
+    pub(super) assignments: Vec<String>,
+    /// Print the effective settings as YAML and write nothing.
+    #[arg(long)]
+    print_settings: bool,
+    /// The bag to write.
+    #[arg(long, short, value_name = "BAG", required_unless_present = "print_settings")]
+    output: Option<PathBuf>,
+    /// Overwrite an existing bag and its ground truth.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    images: Images,
+}
+
+/// How images are written.
+#[derive(Debug, clap::Args)]
+struct Images {
+    /// Write images without compression.
+    #[arg(long)]
+    raw: bool,
+    /// Write no colour images; nothing but a viewer needs them.
+    #[arg(long)]
+    no_color: bool,
+    /// Quality of the colour images.
+    #[arg(long, value_name = "PERCENT", default_value_t = 90, value_parser = clap::value_parser!(u8).range(1..=100))]
+    jpeg_quality: u8,
+}
+
+pub(super) fn run(args: &Args) -> Outcome {
+    let settings = simulate_settings::effective(args)?;
+    let yaml = simulate_settings::to_yaml(&settings)?;
+    let simulation = Simulation::new(settings).map_err(|e| Failure::Usage(e.to_string()))?;
+    let Some(output) = args.output.as_ref().filter(|_| !args.print_settings) else {
+        print!("{yaml}");
+        return Ok(());
+    };
+    refuse_existing(&[output, &truth_path(output)], args.force)?;
+    let mut bag = Recording::create(output)?;
+    let written = write(&mut bag, &simulation, &args.images)?;
+    bag.finish()?;
+    write_truth(output, &written.truth)?;
+    println!(
+        "{}: {} RGB-D frames, {} boxes; {} of {} objects were seen: {}",
+        output.display(),
+        simulation.frame_count(),
+        written.boxes,
+        written.truth.objects.iter().filter(|o| o.observations > 0).count(),
+        written.truth.objects.len(),
+        truth_path(output).display(),
+    );
+    Ok(())
+}
+
+/// What a bag has.
+struct Written {
+    truth: eval::GroundTruth,
+    boxes: usize,
+}
+
+fn write(bag: &mut Recording, simulation: &Simulation, images: &Images) -> anyhow::Result<Written> {
+    let start = simulation.stamp(0);
+    bag.static_transform(&StampedTransform {
+        stamp: start,
+        frame_id: BASE_FRAME.into(),
+        child_frame_id: CAMERA_FRAME.into(),
+        parent_from_child: *simulation.base_from_optical(),
+    })?;
+    let mut truth = simulation.ground_truth();
+    bag.true_objects(start, &true_objects(&truth))?;
+    let progress = ProgressBar::new(simulation.frame_count() as u64);
+    let (mut boxes, mut late) = (0, Vec::<SimulatedFrame>::new());
+    let mut previous: Option<(Stamp, OdometryReading)> = None;
+    for frame in simulation.frames() {
+        truth.observe(&frame);
+        boxes += frame.detections.len();
+        let reading = (frame.stamp, frame.odometry.clone());
+        for (stamp, between) in readings_since(previous.as_ref(), &reading) {
+            write_due_boxes(bag, &mut late, stamp)?;
+            bag.odometry(&odometry(stamp, &between))?;
+        }
+        previous = Some(reading);
+        bag.true_pose(frame.stamp, BASE_FRAME, &frame.world_from_base)?;
+        late.push(write_images(bag, simulation, images, frame)?);
+        progress.inc(1);
+    }
+    write_due_boxes(bag, &mut late, Stamp::from_nanos(i64::MAX))?;
+    progress.finish_and_clear();
+    Ok(Written { truth: true_objects(&truth), boxes })
+}
+
+/// The odometry's readings after `previous` up to and with `latest`, at about [`ODOMETRY_RATE_HZ`].
+///
+/// The covariance grows evenly between two frames, as a random walk's does.
+fn readings_since(
+    previous: Option<&(Stamp, OdometryReading)>,
+    latest: &(Stamp, OdometryReading),
+) -> Vec<(Stamp, OdometryReading)> {
+    let Some((from, before)) = previous else { return vec![latest.clone()] };
+    let seconds = latest.0.seconds_since(*from);
+    let count = (seconds * ODOMETRY_RATE_HZ).round().max(1.0) as usize;
+    let between = (1..count).map(|i| {
+        let fraction = i as f64 / count as f64;
+        let mix = |k: usize| {
+            before.covariance[k] + fraction * (latest.1.covariance[k] - before.covariance[k])
+        };
+        let pose = interpolate(&before.odom_from_base, &latest.1.odom_from_base, fraction);
+        let reading =
+            OdometryReading { odom_from_base: pose, covariance: std::array::from_fn(mix) };
+        (from.shifted(fraction * seconds), reading)
+    });
+    between.chain([latest.clone()]).collect()
+}
+
+/// What a robot's odometry usually has.
+const ODOMETRY_RATE_HZ: f64 = 30.0;
+
+fn odometry(stamp: Stamp, reading: &OdometryReading) -> OdometryMessage {
+    OdometryMessage {
+        stamp,
+        frame_id: ODOM_FRAME.into(),
+        child_frame_id: BASE_FRAME.into(),
+        odom_from_base: reading.odom_from_base,
+        covariance: Some(Box::new(reading.covariance)),
+    }
+}
+
+/// Writes calibration, colour and depth; the frame comes back without them, for its boxes.
+fn write_images(
+    bag: &mut Recording,
+    simulation: &Simulation,
+    images: &Images,
+    mut frame: SimulatedFrame,
+) -> anyhow::Result<SimulatedFrame> {
+    let camera = simulation.camera();
+    let size = (camera.width(), camera.height());
+    bag.camera(frame.stamp, camera)?;
+    let rgb = std::mem::take(&mut frame.rgb);
+    if images.raw && !images.no_color {
+        bag.raw_color(frame.stamp, size, rgb)?;
+    } else if !images.no_color {
+        bag.compressed_color(frame.stamp, "jpeg", jpeg(&rgb, size, images.jpeg_quality)?)?;
+    }
+    let depth_m = std::mem::take(&mut frame.depth_m);
+    let image = DepthImage::new(size.0, size.1, depth_m)?;
+    let depth = DepthMessage { stamp: frame.stamp, frame_id: CAMERA_FRAME.into(), image };
+    bag.depth(&depth, images.raw)?;
+    frame.instances.clear();
+    Ok(frame)
+}
+
+fn jpeg(rgb: &[u8], (width, height): (u32, u32), quality: u8) -> anyhow::Result<Vec<u8>> {
+    let side = |pixels: u32| u16::try_from(pixels).context("the image is too large for JPEG");
+    let mut file = Vec::new();
+    let mut encoder = jpeg_encoder::Encoder::new(&mut file, quality);
+    encoder.set_optimized_huffman_tables(true);
+    encoder.encode(rgb, side(width)?, side(height)?, jpeg_encoder::ColorType::Rgb)?;
+    Ok(file)
+}
+
+/// Writes the boxes that have come by `now`, in the order of their arrival.
+fn write_due_boxes(
+    bag: &mut Recording,
+    late: &mut Vec<SimulatedFrame>,
+    now: Stamp,
+) -> anyhow::Result<()> {
+    late.sort_by_key(|frame| frame.detections_arrive);
+    let due = late.partition_point(|frame| frame.detections_arrive <= now);
+    for frame in late.drain(..due) {
+        let detections = frame.detections.iter().map(|d| {
+            let hypotheses = d.hypotheses.iter().map(|(label, p)| ((*label).to_owned(), *p));
+            Detection::new(d.rect, hypotheses.collect())
+        });
+        let message = DetectionsMessage {
+            stamp: frame.stamp,
+            frame_id: CAMERA_FRAME.into(),
+            detections: detections.collect::<Result<_, _>>()?,
+        };
+        let ids = frame.detections.iter().map(|d| d.object.map_or(-1, i64::from).to_string());
+        bag.detections(&message, ids, frame.detections_arrive)?;
+    }
+    Ok(())
+}
+
+fn true_objects(truth: &GroundTruth) -> eval::GroundTruth {
+    let objects = truth.objects.iter().map(|object| TrueObject {
+        id: object.id.into(),
+        label: object.label.to_owned(),
+        pose: object.world_from_object,
+        size: object.size,
+        observations: object.observations as u64,
+    });
+    eval::GroundTruth { frame_id: MAP_FRAME.into(), objects: objects.collect() }
+}

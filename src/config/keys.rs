@@ -1,0 +1,143 @@
+//! Range and meaning of every key.
+
+use std::ops::RangeInclusive;
+
+/// A key of the settings.
+#[derive(Clone, Debug)]
+pub struct Key {
+    /// Sections and name, joined by dots.
+    pub path: &'static str,
+    /// What the value may be, for numbers.
+    pub range: Option<RangeInclusive<f64>>,
+    /// One line on what it does.
+    pub meaning: &'static str,
+}
+
+const fn number(path: &'static str, low: f64, high: f64, meaning: &'static str) -> Key {
+    Key { path, range: Some(low..=high), meaning }
+}
+
+const fn other(path: &'static str, meaning: &'static str) -> Key {
+    Key { path, range: None, meaning }
+}
+
+/// All keys in the order of the file.
+pub const KEYS: &[Key] = &[
+    other("sync", "Pairing of depth images, boxes and odometry."),
+    number("sync.slop_s", 0.0, 1.0, "largest difference between the stamps of boxes and depth [s]"),
+    number("sync.max_delay_s", 0.0, 60.0, "how long a depth image waits for its boxes [s]"),
+    number("sync.max_waiting", 1.0, 1000.0, "most depth images that wait at once"),
+    other("sync.odom_frame", "odometry's frame, where odometry comes from TF only"),
+    other("sync.base_frame", "base frame, likewise; empty: the camera's own frame"),
+    other(
+        "depth_noise",
+        "Standard deviation of depth: base_m + quadratic_per_m * (z - best_range_m)^2.",
+    ),
+    number("depth_noise.base_m", 0.0, 0.1, "at the best range [m]; the defaults are a Kinect's"),
+    number("depth_noise.quadratic_per_m", 0.0, 0.1, "growth with the squared range [m/m^2]"),
+    number("depth_noise.best_range_m", 0.0, 10.0, "range of the best readings [m]"),
+    other("perception", "From one frame and one box to an ellipsoid."),
+    other("perception.support", "Support planes: floor, table tops."),
+    number(
+        "perception.support.max_tilt_deg",
+        0.0,
+        45.0,
+        "largest angle to gravity, the paper's eps0 [deg]",
+    ),
+    number(
+        "perception.support.min_points",
+        20.0,
+        1e6,
+        "fewest points at full resolution, the paper's eps1",
+    ),
+    number("perception.support.max_planes", 1.0, 32.0, "most planes in a frame"),
+    number("perception.support.stride_px", 1.0, 32.0, "every how many pixels a point is taken"),
+    number("perception.support.hypotheses", 1.0, 10_000.0, "RANSAC hypotheses a plane"),
+    number("perception.support.flatness_m", 0.0, 0.1, "how much the sensor bends planes [m]"),
+    other("perception.segmentation", "Cutting out an object's points."),
+    number(
+        "perception.segmentation.min_points",
+        12.0,
+        1e6,
+        "fewest points at full resolution, the paper's eps3",
+    ),
+    number("perception.segmentation.max_points", 100.0, 1e6, "most points sampled in a box"),
+    number(
+        "perception.segmentation.box_margin",
+        0.0,
+        1.0,
+        "how far objects may reach out of their box, as a share of its sides",
+    ),
+    number(
+        "perception.segmentation.max_outside_box",
+        0.0,
+        1.0,
+        "largest share of an object's points outside its box",
+    ),
+    number(
+        "perception.segmentation.min_box_overlap",
+        0.0,
+        1.0,
+        "smallest intersection over union of box and points",
+    ),
+    number("perception.segmentation.max_range_m", 0.1, 100.0, "farthest reading used [m]"),
+    number(
+        "perception.segmentation.support_margin_m",
+        0.0,
+        0.5,
+        "least height above the support plane, the paper's eps2 [m]",
+    ),
+    number(
+        "perception.segmentation.cluster_gap_m",
+        0.001,
+        1.0,
+        "gap between clusters, besides what noise asks for [m]",
+    ),
+    other("perception.fit", "faces: from the object's faces; quadric: the paper's eq. (7)"),
+    other(
+        "perception.classes",
+        "What is known of classes: symmetry none|plane|dual_plane; outline ellipsoid|cuboid|cylinder|superquadric: [e1, e2]; legs; usual size_m [long, short, height].",
+    ),
+    other("perception.classes.unlisted", "any class without an entry"),
+    other("perception.classes.listed", "by the detector's label"),
+    other("mapping", "Which measurements are one object, and what they say together."),
+    number("mapping.min_observations", 1.0, 1000.0, "measurements after which an object counts"),
+    other("mapping.gate", "How far apart two measurements of one object may be."),
+    number(
+        "mapping.gate.max_distance_in_radii",
+        0.01,
+        10.0,
+        "distance of centres, in radii of the footprint",
+    ),
+    number(
+        "mapping.gate.min_distance_m",
+        0.0,
+        10.0,
+        "distance allowed to the smallest objects [m]",
+    ),
+    other("mapping.fusion", "Fusion of the measurements of one object."),
+    number(
+        "mapping.fusion.huber",
+        0.1,
+        100.0,
+        "Mahalanobis distance from which a measurement loses weight",
+    ),
+    number(
+        "mapping.fusion.min_position_sigma_m",
+        0.0,
+        1.0,
+        "no position is known better than this [m]",
+    ),
+    number(
+        "mapping.fusion.min_size_sigma_m",
+        0.0,
+        1.0,
+        "no semi-axis is known better than this [m]",
+    ),
+    number(
+        "mapping.fusion.min_heading_sigma_deg",
+        0.0,
+        90.0,
+        "no heading is known better than this [deg]",
+    ),
+];

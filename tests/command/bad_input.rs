@@ -1,0 +1,89 @@
+//! What bad input gets: one sentence that names what is wrong and what to do, and nothing half-written.
+
+use crate::run::{Flaw, run, stderr, write_bag};
+use std::{fs, path::Path};
+
+/// Replays and expects exit status 1, a sentence with all of `words`, and no output.
+fn refused(bag: &Path, words: &[&str]) {
+    let out = bag.with_extension("out");
+    let output = run(&["replay", bag.to_str().unwrap(), "--output", out.to_str().unwrap()]);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    let errors = text.lines().filter(|line| line.starts_with("error: ")).count();
+    assert_eq!(errors, 1, "{text}");
+    for word in words {
+        assert!(text.contains(word), "`{word}` is not in: {text}");
+    }
+    let left: Vec<_> = fs::read_dir(&out).into_iter().flatten().collect();
+    assert!(left.is_empty(), "{left:?} was left behind");
+}
+
+#[test]
+fn flaws_of_bags() {
+    let cases: &[(Flaw, &[&str])] = &[
+        (Flaw::NoDepth, &["depth", "/camera/camera_info", "-r depth:=/topic"]),
+        (Flaw::NoCameraInfo, &["camera_info", "/camera/depth/image", "-r camera_info:=/topic"]),
+        (Flaw::NoDetections, &["detections", "/odom", "-r detections:=/topic"]),
+        (Flaw::SizesDiffer, &["/camera/depth/image", "160x120", "320x240"]),
+        (Flaw::NoPose, &["odom", "base_link", "no transform"]),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (flaw, words) in cases {
+        let bag = folder.path().join(format!("{flaw:?}.mcap"));
+        write_bag(&bag, *flaw);
+        refused(&bag, words);
+    }
+}
+
+#[test]
+fn files_that_are_no_bags() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("missing.mcap");
+    refused(&missing, &["missing.mcap"]);
+    let text = folder.path().join("text.mcap");
+    fs::write(&text, "this is not a bag, though it is long enough to be looked at").unwrap();
+    refused(&text, &["text.mcap", "not"]);
+    let empty = folder.path().join("empty.mcap");
+    fs::write(&empty, "").unwrap();
+    refused(&empty, &["empty.mcap"]);
+}
+
+#[test]
+fn boxes_outside_the_image_are_refused_one_by_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("outside.mcap");
+    write_bag(&bag, Flaw::BoxesOutside);
+    let out = folder.path().join("out");
+    let output =
+        run(&["replay", bag.to_str().unwrap(), "--output", out.to_str().unwrap(), "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(summary["objects"], 0);
+    assert_eq!(summary["skipped_messages"]["/detections"]["box_outside"], 6, "{summary:#}");
+}
+
+#[test]
+fn a_truncated_bag_gives_what_is_whole_and_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = folder.path().join("whole.mcap");
+    write_bag(&whole, Flaw::None);
+    let bytes = fs::read(&whole).unwrap();
+    let bag = folder.path().join("cut.mcap");
+    fs::write(&bag, &bytes[..bytes.len() * 9 / 10]).unwrap();
+    let output = run(&["inspect", bag.to_str().unwrap()]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &stderr(&output);
+    assert!(text.contains("truncated") || text.contains("missing"), "{text}");
+}
+
+#[test]
+fn wrong_usage_has_status_2() {
+    for args in [
+        &["replay"][..],
+        &["replay", "x.mcap", "-r", "lidar:=/scan"],
+        &["replay", "x.mcap", "-r", "depth=/d"],
+        &["fly"],
+    ] {
+        let output = run(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stderr(&output));
+    }
+}

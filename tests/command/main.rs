@@ -1,0 +1,8 @@
+//! The program as its users run it: commands, exit codes, files.
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod bad_input;
+mod configuration;
+mod python;
+mod replay;
+mod run;

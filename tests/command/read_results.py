@@ -1,0 +1,47 @@
+"""Reads a replay's results with other people's programs: read_results.py FOLDER FRAMES."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+from evo.tools import file_interface
+from mcap_ros2.reader import read_ros2_messages
+
+folder, frames = Path(sys.argv[1]), int(sys.argv[2])
+map_file = json.loads((folder / "map.json").read_text())
+(expected,) = map_file["objects"]
+
+messages = list(read_ros2_messages(str(folder / "result.mcap")))
+by_topic = {}
+for message in messages:
+    by_topic.setdefault(message.channel.topic, []).append(message.ros_msg)
+
+markers = by_topic["/ellipsoid_slam/markers"][-1].markers
+body = next(m for m in markers if m.ns == "ellipsoids")
+text = next(m for m in markers if m.ns == "labels")
+assert body.type == 2 and body.id == expected["id"], body
+assert body.header.frame_id == "map", body.header
+position = [body.pose.position.x, body.pose.position.y, body.pose.position.z]
+assert np.allclose(position, expected["position"]), (position, expected)
+scale = [body.scale.x, body.scale.y, body.scale.z]
+assert np.allclose(scale, 2 * np.array(expected["semi_axes"])), (scale, expected)
+assert text.type == 9 and "suitcase" in text.text, text
+
+boxes = by_topic["/ellipsoid_slam/objects"][-1].detections
+assert [b.id for b in boxes] == [str(expected["id"])], boxes
+assert boxes[0].results[0].hypothesis.class_id == "suitcase", boxes
+
+assert len(by_topic["/ellipsoid_slam/path"][-1].poses) == frames
+assert len(by_topic["/ellipsoid_slam/odometry"]) == frames
+pairs = {(t.header.frame_id, t.child_frame_id) for m in by_topic["/tf"] for t in m.transforms}
+assert ("map", "odom") in pairs and ("odom", "camera_optical") in pairs, pairs
+
+for name in ["trajectory.tum", "trajectory_live.tum"]:
+    trajectory = file_interface.read_tum_trajectory_file(str(folder / name))
+    assert trajectory.num_poses == frames and trajectory.check()[0], trajectory
+    poses = by_topic["/ellipsoid_slam/path"][-1].poses
+    stamps = [p.header.stamp.sec + 1e-9 * p.header.stamp.nanosec for p in poses]
+    assert np.allclose(trajectory.timestamps, stamps, atol=1e-6, rtol=0)
+    xyz = [[p.pose.position.x, p.pose.position.y, p.pose.position.z] for p in poses]
+    assert np.allclose(trajectory.positions_xyz, xyz, atol=1e-8)

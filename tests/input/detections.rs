@@ -1,0 +1,102 @@
+//! 2D boxes.
+
+use crate::fixtures::{detection, header};
+use ellipsoid_slam::msg::{
+    coco,
+    convert::{detection_array, detections},
+    vision_msgs::{Detection2D, Detection2DArray},
+};
+
+fn array(detections: Vec<Detection2D>) -> Detection2DArray {
+    Detection2DArray { header: header(3, "camera"), detections }
+}
+
+#[test]
+fn a_box_is_its_centre_and_full_size() {
+    let (got, bad) = detections(
+        &array(vec![detection(
+            (100.0, 50.0),
+            (30.0, 10.0),
+            &[("cup", 0.5), ("41", 0.25), ("56", 0.125)],
+        )]),
+        Some((640, 480)),
+    );
+    assert!(bad.is_empty());
+    let [one] = got.detections.as_slice() else { panic!("{got:?}") };
+    assert_eq!(
+        (one.rect.x_min, one.rect.y_min, one.rect.x_max, one.rect.y_max),
+        (85.0, 45.0, 115.0, 55.0)
+    );
+    assert_eq!(
+        one.hypotheses(),
+        [("cup".into(), 0.5), ("cup".into(), 0.25), ("chair".into(), 0.125)]
+    );
+    assert_eq!(
+        (got.frame_id.as_str(), got.stamp.as_nanos()),
+        ("camera", 1_700_000_000_300_000_000)
+    );
+}
+
+#[test]
+fn bad_boxes_are_left_out_one_by_one() {
+    let cup: &[(&str, f64)] = &[("cup", 0.5)];
+    let cases: &[(&str, Detection2D)] = &[
+        ("bad_box", detection((10.0, 10.0), (0.0, 5.0), cup)),
+        ("bad_box", detection((10.0, 10.0), (5.0, -5.0), cup)),
+        ("bad_box", detection((f64::NAN, 10.0), (5.0, 5.0), cup)),
+        ("bad_box", detection((10.0, 10.0), (f64::INFINITY, 5.0), cup)),
+        ("box_outside", detection((700.0, 10.0), (50.0, 5.0), cup)),
+        ("box_outside", detection((10.0, -30.0), (50.0, 50.0), cup)),
+        ("no_class", detection((10.0, 10.0), (5.0, 5.0), &[])),
+        (
+            "no_class",
+            detection(
+                (10.0, 10.0),
+                (5.0, 5.0),
+                &[("cup", 0.0), ("", 0.5), ("tv", f64::NAN), ("tv", 87.0)],
+            ),
+        ),
+    ];
+    let good = detection((1.0, 1.0), (50.0, 50.0), cup);
+    let all = cases.iter().map(|(_, bad)| bad.clone()).chain([good]).collect();
+    let (got, bad) = detections(&array(all), Some((640, 480)));
+    assert_eq!(got.detections.len(), 1, "a box that reaches beyond the image stays");
+    let reasons: Vec<_> = bad.iter().map(|why| why.reason()).collect();
+    assert_eq!(reasons, cases.iter().map(|(reason, _)| *reason).collect::<Vec<_>>());
+}
+
+#[test]
+fn an_empty_array_says_that_nothing_was_found() {
+    let (got, bad) = detections(&array(vec![]), None);
+    assert!(got.detections.is_empty() && bad.is_empty());
+}
+
+#[test]
+fn classes_are_names_or_coco_indices() {
+    let cases = [
+        ("0", "person"),
+        ("41", "cup"),
+        ("56", "chair"),
+        ("62", "tv"),
+        ("79", "toothbrush"),
+        ("80", "80"),
+        ("-1", "-1"),
+        (" tv ", "tv"),
+        ("teddy bear", "teddy bear"),
+    ];
+    for (class_id, expected) in cases {
+        assert_eq!(coco::label(class_id), expected);
+    }
+    let mut sorted = coco::NAMES;
+    sorted.sort_unstable();
+    assert!(sorted.windows(2).all(|pair| pair[0] != pair[1]));
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let (message, _) =
+        detections(&array(vec![detection((100.0, 50.0), (30.0, 10.0), &[("cup", 0.5)])]), None);
+    let (again, bad) = detections(&detection_array(&message), None);
+    assert_eq!((again.detections, again.stamp), (message.detections, message.stamp));
+    assert!(bad.is_empty());
+}

@@ -1,0 +1,15 @@
+//! Bags in, the core's inputs out: encodings, damage, roles and bad input, through the public API.
+#![expect(clippy::unwrap_used, reason = "a test ends where something is not as it should be")]
+
+mod bags;
+mod cameras;
+mod cdr;
+mod color;
+mod damage;
+mod depth;
+mod detections;
+mod fixtures;
+mod inspect;
+mod poses;
+mod replay;
+mod roles;
