@@ -96,7 +96,7 @@ pub const KEYS: &[Key] = &[
     other("perception.fit", "faces: from the object's faces; quadric: the paper's eq. (7)"),
     other(
         "perception.classes",
-        "What is known of classes: symmetry none|plane|dual_plane; outline ellipsoid|cuboid|cylinder|superquadric: [e1, e2]; legs; usual size_m [long, short, height].",
+        "What is known of classes: symmetry none|plane|dual_plane; outline ellipsoid|cuboid|cylinder|superquadric: [e1, e2]; legs; carries things on its top; usual size_m [long, short, height].",
     ),
     other("perception.classes.unlisted", "any class without an entry"),
     other("perception.classes.listed", "by the detector's label"),

@@ -16,6 +16,9 @@ pub struct ClassPrior {
     /// Whether they stand on legs or feet that a depth camera may miss: their bottom is the support plane.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub legs: bool,
+    /// Whether other things stand on their top, which is a horizontal plane: they end there.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub carries: bool,
     /// Usual extents (m): the longer horizontal one, the shorter one, the height. Used for what was not seen, after
     /// Ok et al. 2019.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -46,8 +49,10 @@ impl Default for Classes {
         for (symmetry, outline, labels) in SHAPES {
             for label in *labels {
                 let legs = LEGS.contains(label);
+                let carries = CARRIERS.contains(label);
                 let size_m = SIZES.iter().find(|(name, _)| name == label).map(|(_, size)| *size);
-                let prior = ClassPrior { symmetry: *symmetry, outline: *outline, legs, size_m };
+                let prior =
+                    ClassPrior { symmetry: *symmetry, outline: *outline, legs, carries, size_m };
                 listed.insert((*label).to_owned(), prior);
             }
         }
@@ -153,6 +158,8 @@ const SHAPES: &[(SymmetryType, Outline, &[&str])] = &[
 ];
 
 const LEGS: &[&str] = &["bed", "bench", "chair", "couch", "dining table"];
+
+const CARRIERS: &[&str] = &["bench", "dining table"];
 
 /// Usual extents of things found in rooms (m): long, short, height.
 const SIZES: &[(&str, [f64; 3])] = &[

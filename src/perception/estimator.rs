@@ -78,7 +78,7 @@ pub fn estimate_object(
 ) -> Result<EllipsoidMeasurement, Refused> {
     observer.enter(Some(Stage::Segmentation));
     let prior = settings.classes.prior(detection.label());
-    let segment = segment(frame, planes, &detection.rect, &settings.segmentation)?;
+    let segment = segment(frame, planes, &detection.rect, &prior, &settings.segmentation)?;
     observer.enter(Some(Stage::Faces));
     let heading = heading(&segment);
     let mut faces = Faces::measure(frame, &segment, heading.yaw, &prior);

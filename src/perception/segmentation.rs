@@ -3,7 +3,7 @@
 //! Liao et al. 2020, section IV-A, steps 1 to 4.
 
 use super::{
-    Frame, Refused,
+    ClassPrior, Frame, Refused,
     clustering::euclidean_clusters,
     support::{SupportPlane, local_normal},
 };
@@ -74,6 +74,7 @@ pub(super) fn segment<'a>(
     frame: &Frame<'_>,
     planes: &'a [SupportPlane],
     rect: &Rect,
+    prior: &ClassPrior,
     settings: &SegmentationSettings,
 ) -> Result<Segment<'a>, Refused> {
     let crop = Crop::new(frame, rect, settings)?;
@@ -81,12 +82,16 @@ pub(super) fn segment<'a>(
     if crop.points.len() < enough {
         return Err(Refused::TooFewPoints { got: crop.points.len(), needed: enough });
     }
-    let others: Vec<&SupportPlane> =
-        planes.iter().filter(|plane| !is_part_of_object(plane, &crop)).collect();
+    let (own, others): (Vec<&SupportPlane>, Vec<&SupportPlane>) =
+        planes.iter().partition(|plane| is_part_of_object(plane, &crop));
+    let top = own.into_iter().max_by_key(|plane| plane.points).filter(|_| prior.carries);
+    let stands_on_top = |p: &SurfacePoint| {
+        top.is_some_and(|plane| plane.height_of(&p.at) > margin_m(plane, p, settings))
+    };
     let free: Vec<SurfacePoint> = crop
         .points
         .iter()
-        .filter(|p| !others.iter().any(|s| lies_on(s, p, settings)))
+        .filter(|p| !stands_on_top(p) && !others.iter().any(|s| lies_on(s, p, settings)))
         .copied()
         .collect();
     let first = crop.main_cluster(free, settings).ok_or(Refused::NoCluster)?;
@@ -293,31 +298,40 @@ fn supporting_plane<'a>(
     cluster: &[SurfacePoint],
 ) -> Option<&'a SupportPlane> {
     let center = cluster.iter().map(|p| p.at.coords).sum::<Vector3<f64>>() / cluster.len() as f64;
+    let mut below: Vec<&SupportPlane> =
+        planes.iter().copied().filter(|plane| plane.height_of(&center.into()) > 0.0).collect();
+    below.sort_by(|a, b| a.height_of(&center.into()).total_cmp(&b.height_of(&center.into())));
+    let floor = below.last().copied()?;
+    // The floor reaches everywhere; a table top only as far as it was seen.
+    below.into_iter().find(|plane| {
+        std::ptr::eq(*plane, floor)
+            || (nothing_underneath(plane, cluster) && is_next_to(plane, cluster))
+    })
+}
+
+/// Whether the cluster's lowest points are on the plane: the book beside a monitor is higher than the monitor's foot.
+fn nothing_underneath(plane: &SupportPlane, cluster: &[SurfacePoint]) -> bool {
+    let depth =
+        |p: &SurfacePoint| -plane.height_of(&p.at) - UNDERNEATH_M - 2.0 * (p.sigma_m + plane.rms_m);
+    let underneath = cluster.iter().filter(|p| depth(p) > 0.0).count();
+    underneath <= 2 + cluster.len() / 200
+}
+
+fn is_next_to(plane: &SupportPlane, cluster: &[SurfacePoint]) -> bool {
     let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
     for p in cluster {
         (low, high) = (low.inf(&p.at.coords), high.sup(&p.at.coords));
     }
-    let lowest =
-        planes.iter().map(|plane| plane.height_of(&center.into())).fold(f64::MIN, f64::max);
-    let stands_on = |plane: &SupportPlane| {
-        let below =
-            cluster.iter().filter(|p| plane.height_of(&p.at) < -(0.02 + 3.0 * p.sigma_m)).count();
-        if 20 * below > cluster.len() {
-            return false;
-        }
-        // The floor reaches everywhere; a table top only as far as it was seen.
-        plane.height_of(&center.into()) == lowest
-            || plane.inliers.iter().any(|p| {
-                let outside = (low - p.at.coords).sup(&(p.at.coords - high)).sup(&Vector3::zeros());
-                outside.xy().norm() < 0.15
-            })
-    };
-    planes
-        .iter()
-        .filter(|plane| plane.height_of(&center.into()) > 0.0 && stands_on(plane))
-        .min_by(|a, b| a.height_of(&center.into()).total_cmp(&b.height_of(&center.into())))
-        .copied()
+    plane.inliers.iter().any(|p| {
+        let outside = (low - p.at.coords).sup(&(p.at.coords - high)).sup(&Vector3::zeros());
+        outside.xy().norm() < NEXT_TO_M
+    })
 }
+
+/// Points this far below a plane are not on it (m).
+const UNDERNEATH_M: f64 = 0.008;
+/// A plane seen this near to an object goes on under it (m).
+const NEXT_TO_M: f64 = 0.15;
 
 fn add_normals(frame: &Frame<'_>, points: &mut [SurfacePoint], stride: i32) {
     let (focal, _) = frame.camera().focal();
