@@ -9,7 +9,7 @@ use super::{
     footprint::quantile,
     segmentation::{Segment, SurfacePoint},
 };
-use nalgebra::{Isometry3, SMatrix, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// How the position of a face is known.
@@ -181,7 +181,8 @@ fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>
     let (position_m, step) = if share > FACING_SHARE {
         (quantile(&mut band, 0.5), 0.0)
     } else {
-        let step = rim.iter().map(|p| sample_step_m(segment, p)).sum::<f64>() / rim.len() as f64;
+        let step =
+            rim.iter().map(|p| sample_step_m(segment, p, outward)).sum::<f64>() / rim.len() as f64;
         (last + 0.5 * step, step)
     };
     rim.retain(|p| p.at.coords.dot(outward) > last - 0.01 - 2.0 * sigma);
@@ -190,11 +191,14 @@ fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>
     Face { position_m, sigma_m, side }
 }
 
-/// Distance between neighbouring samples along the surface at a point: on surfaces seen at a grazing angle they lie
-/// far apart.
-fn sample_step_m(segment: &Segment<'_>, p: &SurfacePoint) -> f64 {
-    let facing = p.normal.map_or(0.7, |n| n.dot(&p.at.coords).abs() / p.at.coords.norm());
-    segment.spacing_m / facing.max(MIN_FACING)
+/// Distance between neighbouring samples when going `outward` along the surface at a point: along the view, on surfaces
+/// seen at a grazing angle, they lie far apart.
+fn sample_step_m(segment: &Segment<'_>, p: &SurfacePoint, outward: &Vector3<f64>) -> f64 {
+    let ray = p.at.coords / p.at.coords.norm();
+    let along = p.normal.map_or(*outward, |n| outward - n.into_inner() * n.dot(outward));
+    // A face turned outward has no surface to go along.
+    let across_view = Unit::try_new(along, 0.2).map_or(0.7, |along| along.cross(&ray).norm());
+    segment.spacing_m / across_view.max(MIN_FACING)
 }
 
 /// Looks past the outermost points.
@@ -209,7 +213,7 @@ fn what_lies_beyond(
     let looks = rim.iter().step_by(every);
     let total = looks.len();
     for p in looks {
-        let step = (2.0 * sample_step_m(segment, p)).max(4.0 * p.sigma_m).max(0.02);
+        let step = (2.0 * sample_step_m(segment, p, outward)).max(4.0 * p.sigma_m).max(0.02);
         for reach in 1..=3 {
             let beyond = p.at + outward * (step * f64::from(reach));
             match frame.look_at(&beyond) {

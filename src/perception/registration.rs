@@ -16,16 +16,18 @@ pub fn register_depth(
     let mut metres = vec![f32::NAN; width as usize * height as usize];
     // A reading covers as many pixels as the focal lengths differ, or holes would open between readings.
     let magnification = camera.focal().0 / depth_rays.camera().focal().0;
-    let reach = (magnification.ceil() as i32 - 1).clamp(0, 4);
+    let half_px = 0.5 * magnification.clamp(1.0, 5.0) + TOUCHING_PX;
+    let covered = |at: f64, size: i32| {
+        ((at - half_px).ceil() as i32).max(0)..=((at + half_px).floor() as i32).min(size - 1)
+    };
     for v in 0..depth.height() as i32 {
         for u in 0..depth.width() as i32 {
             let Some(z) = depth.at(u, v) else { continue };
             let point: Point3<f64> = (depth_rays.at(u, v) * f64::from(z)).into();
             let there = camera_from_depth * point;
             let Some(pixel) = camera.project(&there) else { continue };
-            let (x, y) = (pixel.x.round() as i32, pixel.y.round() as i32);
-            for row in y.max(0)..=(y + reach).min(height - 1) {
-                for column in x.max(0)..=(x + reach).min(width - 1) {
+            for row in covered(pixel.y, height) {
+                for column in covered(pixel.x, width) {
                     let cell = &mut metres[row as usize * width as usize + column as usize];
                     *cell = cell.min(there.z as f32);
                 }
@@ -35,3 +37,6 @@ pub fn register_depth(
     DepthImage::new(camera.width(), camera.height(), metres)
         .unwrap_or_else(|_| unreachable!("one value was made for each pixel"))
 }
+
+/// Rounding must not open a gap between the squares of two readings [px].
+const TOUCHING_PX: f64 = 1e-3;

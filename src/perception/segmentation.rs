@@ -258,17 +258,25 @@ fn is_part_of_object(plane: &SupportPlane, crop: &Crop) -> bool {
     if (inside as f64) < OWN_PLANE_SHARE * plane.inliers.len() as f64 {
         return false;
     }
-    let below =
-        crop.points.iter().filter(|p| plane.height_of(&p.at) < -(0.03 + 3.0 * p.sigma_m)).count();
-    10 * below > crop.points.len()
+    // A keyboard's top is a plane 3 cm above the next one.
+    let is_below = |p: &&SurfacePoint| {
+        plane.height_of(&p.at) < -(OWN_PLANE_STEP_M + 3.0 * p.sigma_m * grazing(plane, p))
+    };
+    10 * crop.points.iter().filter(is_below).count() > crop.points.len()
 }
 
 const OWN_PLANE_SHARE: f64 = 0.7;
+/// What lies this much lower, noise aside, is not the same plane [m].
+const OWN_PLANE_STEP_M: f64 = 0.01;
 
 /// How near to a plane a point counts as part of it (m).
 fn margin_m(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationSettings) -> f64 {
-    let along = plane.plane.normal.dot(&point.at.coords).abs() / point.at.coords.norm().max(1e-6);
-    settings.support_margin_m + 2.0 * plane.rms_m + 2.5 * point.sigma_m * along
+    settings.support_margin_m + 2.0 * plane.rms_m + 2.5 * point.sigma_m * grazing(plane, point)
+}
+
+/// The share of a reading's noise, which acts along the viewing ray, that is across the plane.
+fn grazing(plane: &SupportPlane, point: &SurfacePoint) -> f64 {
+    plane.plane.normal.dot(&point.at.coords).abs() / point.at.coords.norm().max(1e-6)
 }
 
 /// Whether a point belongs to a plane: near it, and where the plane was seen.

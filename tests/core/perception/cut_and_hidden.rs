@@ -19,8 +19,9 @@ fn face_towards(
 #[test]
 fn depth_behind_a_frontal_face_is_hidden_and_uncertain() {
     let mut scene = Scene::with_floor();
-    let cabinet = scene.add(standing(0.0, [2.3, 0.0, 0.9], [0.3, 0.4, 0.9]));
-    let view = scene.seen_from(&looking([0.0, 0.0, 1.2], 0.0, 5.0));
+    scene.add(standing(0.0, [4.1, 0.0, 1.5], [0.1, 5.0, 1.5]));
+    let cabinet = scene.add(standing(0.0, [2.3, 0.0, 0.7], [0.3, 0.4, 0.7]));
+    let view = scene.seen_from(&looking([0.0, 0.0, 1.2], 0.0, 10.0));
     let m = measure(&view, "cabinet", cabinet);
     let back = face_towards(&m, &view, Vector3::x());
     assert_eq!(m.sides[back], Side::Hidden);
@@ -64,10 +65,9 @@ fn a_side_outside_the_image_is_not_seen() {
     let sigmas = size_sigmas(&m);
     assert!(sigmas[axis] > 0.04, "{sigmas}");
     let e = in_world(&m, &view, scene.thing(chest));
-    assert!(
-        (e.center().y - e.semi_axes.y - 0.3).abs() < 0.02,
-        "the right side is where it was seen"
-    );
+    // It is seen from the side, 27 mm a sample: grazing stretches samples along the view, not across.
+    let right_end = e.center().y - e.semi_axes.y;
+    assert!((right_end - 0.3).abs() < 0.02, "it was seen to end at 0.3 m, not {right_end}");
 }
 
 /// A detector's box that covers half of a thing that goes on.
@@ -77,13 +77,21 @@ fn a_side_that_goes_on_outside_the_box_is_cut() {
     let shelf = scene.add(standing(0.0, [2.2, 0.0, 0.4], [0.2, 0.7, 0.4]));
     let view = scene.seen_from(&looking([0.0, 0.0, 1.1], 0.0, 20.0));
     let whole = view.box_around(shelf);
-    let x_max = whole.x_min + 0.85 * whole.width();
+    let x_max = whole.x_min + 0.6 * whole.width();
     let half = ellipsoid_slam::geometry::Rect::new(whole.x_min, whole.y_min, x_max, whole.y_max);
     let m = super::estimate_box(&view, "shelf", half.unwrap()).unwrap();
     let right = face_towards(&m, &view, -Vector3::y());
     let left = face_towards(&m, &view, Vector3::y());
-    assert_eq!((m.sides[left], m.sides[right]), (Side::Seen, Side::Cut));
-    assert!(size_sigmas(&m)[right / 2] > 0.04);
+    assert_eq!(m.sides[left], Side::Seen);
+    let e = in_world(&m, &view, scene.thing(shelf));
+    let right_end = e.center().y - e.semi_axes.y;
+    let sigma = size_sigmas(&m)[right / 2];
+    match m.sides[right] {
+        Side::Cut => assert!(sigma > 0.04, "{sigma}"),
+        // Symmetry, judged on the whole image, may know more than the box.
+        Side::Mirrored => assert!((right_end + 0.7).abs() < 3.0 * sigma, "{right_end} ± {sigma}"),
+        other => panic!("{other:?}, and it ends at {right_end} ± {sigma}"),
+    }
 }
 
 /// Something nearer covers the left part.

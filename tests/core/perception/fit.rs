@@ -91,7 +91,7 @@ fn a_small_misfit_is_judged_alike_at_any_size() {
 
 proptest! {
     #[test]
-    fn the_jacobian_is_the_slope(e in upright_ellipsoids(), direction in super::super::geometry::directions(), out in 0.3..2.0) {
+    fn the_jacobian_is_the_slope(e in upright_ellipsoids(), direction in crate::geometry::directions(), out in 0.3..2.0) {
         let point = e.pose * Point3::from(direction.into_inner().component_mul(&e.semi_axes) * out);
         let (_, jacobian) = residual(&point, &e);
         for i in 0..7 {
@@ -138,7 +138,7 @@ proptest! {
 
     #[test]
     fn the_cost_never_grows(
-        e in upright_ellipsoids(), points in prop::collection::vec(super::super::geometry::points(), 0..40),
+        e in upright_ellipsoids(), points in prop::collection::vec(crate::geometry::points(), 0..40),
     ) {
         let report = fit_ellipsoid(&points, &e);
         let cost = |e: &Ellipsoid| points.iter().map(|p| residual(p, e).0.powi(2)).sum::<f64>();
