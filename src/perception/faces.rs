@@ -9,7 +9,7 @@ use super::{
     footprint::quantile,
     segmentation::{Segment, SurfacePoint},
 };
-use nalgebra::{Isometry3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// How the position of a face is known.
@@ -175,10 +175,11 @@ fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>
     let sigma = rim.iter().map(|p| noise_along(p, outward)).sum::<f64>() / rim.len() as f64;
     // A face turned to the camera is a cloud of its own around the true position; the end of a face seen from the
     // side is, on average, half a sample beyond the last of its points.
-    let mut band: Vec<f64> =
-        coordinates.iter().copied().filter(|c| *c > last - 5.0 * sigma - 0.004).collect();
+    let width = 5.0 * sigma + 0.004;
+    let extent = last - quantile(&mut coordinates, OUTLIER_SHARE);
+    let mut band: Vec<f64> = coordinates.iter().copied().filter(|c| *c > last - width).collect();
     let share = band.len() as f64 / coordinates.len() as f64;
-    let (position_m, step) = if share > FACING_SHARE {
+    let (position_m, step) = if share > FACING_SHARE && width < FACING_DEPTH * extent {
         (quantile(&mut band, 0.5), 0.0)
     } else {
         let step =
@@ -214,12 +215,14 @@ fn what_lies_beyond(
     let total = looks.len();
     for p in looks {
         let step = (2.0 * sample_step_m(segment, p, outward)).max(4.0 * p.sigma_m).max(0.02);
-        for reach in 1..=3 {
+        for reach in 1..=MAX_REACH {
             let beyond = p.at + outward * (step * f64::from(reach));
             match frame.look_at(&beyond) {
                 Sight::Outside => break,
-                // Kinect casts shadows of missing depth beside every edge: look further.
-                Sight::NoReading => continue,
+                // Kinect casts shadows of missing depth beside every edge: look further. If nothing comes there, but the
+                // box has ended, what is behind is out of range.
+                Sight::NoReading if reach < MAX_REACH => continue,
+                Sight::NoReading => free += usize::from(is_outside_box(frame, segment, &beyond)),
                 Sight::Measured { beyond_m } if beyond_m > 0.5 * step => free += 1,
                 Sight::Measured { beyond_m } if beyond_m > -0.5 * step => surface += 1,
                 Sight::Measured { .. } => hidden += 1,
@@ -236,6 +239,13 @@ fn what_lies_beyond(
     } else {
         Side::Hidden
     }
+}
+
+fn is_outside_box(frame: &Frame<'_>, segment: &Segment<'_>, point: &Point3<f64>) -> bool {
+    let rect = &segment.rect;
+    frame.project(point).is_some_and(|(_, pixel)| {
+        pixel.x < rect.x_min || pixel.x > rect.x_max || pixel.y < rect.y_min || pixel.y > rect.y_max
+    })
 }
 
 /// The class's usual extents along the object's axes; the longer horizontal one goes with the axis that has
@@ -263,9 +273,17 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
     if gap < SUPPORT_REACH_M + 3.0 * sigma + 2.0 * segment.spacing_m {
         return on_plane(0.004 + support.rms_m, Side::Support);
     }
+    // What hides: of a table top at eye level little is seen, and the plane found is the floor.
+    let height = segment.height_m();
+    let missing = prior.size_m.map_or(0.3 * height, |[_, _, usual]| (usual - height).max(0.0));
     match lowest.side {
         _ if prior.legs => on_plane(LEGS_SIGMA_M, Side::Support),
-        Side::Hidden => on_plane(0.3 * gap, Side::Hidden),
+        Side::Hidden if gap < 1.5 * missing + 0.1 => on_plane(0.3 * gap, Side::Hidden),
+        Side::Hidden => Face {
+            position_m: lowest.position_m + missing,
+            sigma_m: (0.5 * missing).max(0.2 * height),
+            side: Side::Hidden,
+        },
         // It stands on something that is not a plane of its own, or hangs.
         _ => lowest,
     }
@@ -277,9 +295,11 @@ fn noise_along(p: &SurfacePoint, direction: &Vector3<f64>) -> f64 {
 }
 
 /// Share of the points beyond a face: what is left of flying pixels and of the background.
-const OUTLIER_SHARE: f64 = 0.01;
+const OUTLIER_SHARE: f64 = 0.005;
 /// A face with more of the points than this within its noise is turned to the camera.
 const FACING_SHARE: f64 = 0.2;
+/// A cloud that is deeper than this share of the object is not one face.
+const FACING_DEPTH: f64 = 0.25;
 /// Depth of the layer of outermost points (m).
 const RIM_M: f64 = 0.05;
 /// Real objects have round edges and handles (m).
@@ -288,6 +308,7 @@ const MODEL_SIGMA_M: f64 = 0.01;
 const MIN_FACING: f64 = 0.2;
 const MIN_EXTENT_M: f64 = 0.005;
 const MAX_LOOKS: usize = 80;
+const MAX_REACH: u32 = 3;
 /// Points this near to the support plane are taken to reach it (m).
 const SUPPORT_REACH_M: f64 = 0.05;
 /// A support plane under legs may be the wrong one of two: a carpet, a step (m).

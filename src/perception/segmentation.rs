@@ -65,8 +65,18 @@ pub(super) struct SurfacePoint {
 pub(super) struct Segment<'a> {
     pub(super) points: Vec<SurfacePoint>,
     pub(super) support: Option<&'a SupportPlane>,
+    /// The detector's box, inside the image.
+    pub(super) rect: Rect,
     /// Distance between neighbouring samples on a surface facing the camera (m).
     pub(super) spacing_m: f64,
+}
+
+impl Segment<'_> {
+    /// From the lowest to the highest point (m).
+    pub(super) fn height_m(&self) -> f64 {
+        let heights = || self.points.iter().map(|p| p.at.z);
+        heights().fold(f64::MIN, f64::max) - heights().fold(f64::MAX, f64::min)
+    }
 }
 
 /// Cuts out the object in `rect`.
@@ -116,7 +126,7 @@ pub(super) fn segment<'a>(
         return Err(Refused::TooFewPoints { got: points.len(), needed: enough });
     }
     add_normals(frame, &mut points, crop.stride);
-    Ok(Segment { spacing_m: crop.spacing_m(&points), points, support })
+    Ok(Segment { spacing_m: crop.spacing_m(&points), points, support, rect: crop.rect })
 }
 
 /// The sampled pixels of a box.

@@ -5,7 +5,7 @@
 
 use super::Frame;
 use crate::geometry::Plane;
-use nalgebra::{Matrix3, Point3, SymmetricEigen, Unit, Vector3};
+use nalgebra::{Cholesky, Matrix3, Point3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -119,22 +119,25 @@ fn tolerance(point: &GridPoint, plane: &Plane, settings: &SupportSettings) -> f6
     3.0 * (point.sigma_m * along).hypot(settings.flatness_m)
 }
 
-/// Sampled points whose local surface is roughly horizontal.
+/// Sampled points whose local surface is roughly horizontal, at most one in each cell of `stride_px`: a table top at
+/// eye level gives few readings, and none must be missed because its neighbour was sampled.
 fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridPoint> {
     let (width, height) = (frame.depth().width() as i32, frame.depth().height() as i32);
-    let (focal, _) = frame.camera().focal();
     let stride = settings.stride_px.max(1) as i32;
     // Normals are noisier than planes: the candidate test is wide, the plane test is exact.
     let min_up = (2.5 * settings.max_tilt_deg).to_radians().cos();
     let mut out = Vec::new();
-    for v in (stride / 2..height).step_by(stride as usize) {
-        for u in (stride / 2..width).step_by(stride as usize) {
-            let Some(z) = frame.depth().at(u, v) else { continue };
-            let z = f64::from(z);
+    for row in (0..height).step_by(stride as usize) {
+        for column in (0..width).step_by(stride as usize) {
+            let (middle_u, middle_v) = (column + stride / 2, row + stride / 2);
+            let spots = std::iter::once((middle_u, middle_v)).chain(
+                (row..row + stride).flat_map(|v| (column..column + stride).map(move |u| (u, v))),
+            );
+            let reading = |(u, v)| frame.depth().at(u, v).map(|z| (u, v, f64::from(z)));
+            let Some((u, v, z)) = spots.into_iter().find_map(reading) else { continue };
             let sigma_m = frame.sigma_m(z);
-            let baseline_px = ((0.02_f64).max(6.0 * sigma_m) * focal / z).clamp(3.0, 24.0) as i32;
-            let Some(normal) = local_normal(frame, u, v, baseline_px) else { continue };
-            if normal.z >= min_up
+            if let Some(normal) = surface_normal(frame, u, v, 0.02_f64.max(6.0 * sigma_m))
+                && normal.z >= min_up
                 && let Some(at) = frame.point_in_level(u, v)
             {
                 out.push(GridPoint { u, v, at, sigma_m });
@@ -143,6 +146,32 @@ fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridP
     }
     out
 }
+
+/// Normal of the surface at a pixel from the nearest readings on four sides that are `baseline_m` apart: a step of
+/// one pixel on surfaces seen at a grazing angle, of many on those that face the camera.
+fn surface_normal(
+    frame: &Frame<'_>,
+    u: i32,
+    v: i32,
+    baseline_m: f64,
+) -> Option<Unit<Vector3<f64>>> {
+    let (depth, (focal, _)) = (frame.depth(), frame.camera().focal());
+    let z = f64::from(depth.at(u, v)?);
+    let neighbour = |du: i32, dv: i32| {
+        STEPS_PX.iter().find_map(|step| {
+            let (u, v) = (u + step * du, v + step * dv);
+            let along = f64::from(depth.at(u, v)?) - z;
+            let across = f64::from(*step) * z / focal;
+            if along.hypot(across) < 0.5 * baseline_m { None } else { frame.point_in_level(u, v) }
+        })
+    };
+    let (right, left) = (neighbour(1, 0)?, neighbour(-1, 0)?);
+    let (below, above) = (neighbour(0, 1)?, neighbour(0, -1)?);
+    normal_of_cross(frame.point_in_level(u, v)?, [right, left, below, above])
+}
+
+/// Tried in this order.
+const STEPS_PX: [i32; 9] = [1, 2, 3, 4, 6, 8, 12, 16, 24];
 
 /// Normal of the surface at a pixel from its neighbours `step` pixels away, pointing to the camera's side.
 pub(super) fn local_normal(
@@ -156,10 +185,19 @@ pub(super) fn local_normal(
     let below = frame.point_in_level(u, v + step)?;
     let above = frame.point_in_level(u, v - step)?;
     let here = frame.point_in_level(u, v)?;
-    // A depth edge between the neighbours is not a surface.
+    normal_of_cross(here, [right, left, below, above])
+}
+
+/// Normal at a point from its neighbours right, left, below and above, unless there is an edge between them.
+fn normal_of_cross(
+    here: Point3<f64>,
+    [right, left, below, above]: [Point3<f64>; 4],
+) -> Option<Unit<Vector3<f64>>> {
     let bent = |a: &Point3<f64>, b: &Point3<f64>| {
-        let middle = nalgebra::center(a, b);
-        (middle - here).norm() > 0.35 * (a - b).norm()
+        let (to_a, to_b) = (a - here, b - here);
+        let (near, far) = (to_a.norm().min(to_b.norm()), to_a.norm().max(to_b.norm()));
+        let off_line = to_a.cross(&to_b).norm() / (a - b).norm().max(1e-9);
+        far > MAX_UNEVEN * near || off_line > MAX_BEND * near || to_a.dot(&to_b) > 0.0
     };
     if bent(&right, &left) || bent(&below, &above) {
         return None;
@@ -167,6 +205,11 @@ pub(super) fn local_normal(
     let normal = Unit::try_new((below - above).cross(&(right - left)), 1e-9)?;
     Some(if normal.dot(&here.coords) > 0.0 { -normal } else { normal })
 }
+
+/// How much farther one neighbour may be than the opposite one.
+const MAX_UNEVEN: f64 = 4.0;
+/// How far a point may lie off the line between its neighbours, in distances of the nearer one.
+const MAX_BEND: f64 = 0.5;
 
 /// The hypothesis with most inliers: planes through three points, and level planes through one.
 fn best_hypothesis(
@@ -205,19 +248,12 @@ fn plane_through(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>) -> Option<Pl
     Some(Plane::through(a, if normal.z < 0.0 { -normal } else { normal }))
 }
 
-/// Total least squares on the inliers, repeated while they change; nothing if the plane tips over.
+/// Least squares on the inliers, repeated while they change; nothing if the plane tips over.
 fn refine(start: &Plane, candidates: &[GridPoint], settings: &SupportSettings) -> Option<Plane> {
     let min_up = settings.max_tilt_deg.to_radians().cos();
     let mut plane = *start;
     for factor in [3.0, 2.0, 1.0, 1.0] {
-        let near: Vec<Point3<f64>> = candidates
-            .iter()
-            .filter(|p| {
-                plane.signed_distance(&p.at).abs() < factor * tolerance(p, &plane, settings)
-            })
-            .map(|p| p.at)
-            .collect();
-        plane = least_squares_plane(&near)?;
+        plane = least_squares_plane(&plane, candidates, factor, settings)?;
         if plane.normal.z < min_up {
             return None;
         }
@@ -225,17 +261,36 @@ fn refine(start: &Plane, candidates: &[GridPoint], settings: &SupportSettings) -
     Some(plane)
 }
 
-fn least_squares_plane(points: &[Point3<f64>]) -> Option<Plane> {
-    if points.len() < 3 {
+/// The height as a linear function of the position, by weighted least squares with gravity as a prior for the slope: a
+/// strip of points must not tip the plane across it.
+fn least_squares_plane(
+    last: &Plane,
+    candidates: &[GridPoint],
+    factor: f64,
+    settings: &SupportSettings,
+) -> Option<Plane> {
+    let near: Vec<(&GridPoint, f64)> = candidates
+        .iter()
+        .map(|p| (p, tolerance(p, last, settings)))
+        .filter(|(p, tolerance)| last.signed_distance(&p.at).abs() < factor * tolerance)
+        .collect();
+    if near.len() < 3 {
         return None;
     }
-    let center = points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / points.len() as f64;
-    let scatter: Matrix3<f64> =
-        points.iter().map(|p| (p.coords - center) * (p.coords - center).transpose()).sum();
-    let eigen = SymmetricEigen::new(scatter);
-    let thinnest: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
-    let normal = Unit::try_new(thinnest, 1e-9)?;
-    Some(Plane::through(&center.into(), if normal.z < 0.0 { -normal } else { normal }))
+    let center = near.iter().map(|(p, _)| p.at.coords).sum::<Vector3<f64>>() / near.len() as f64;
+    let slope_prior = 1.0 / (settings.max_tilt_deg.to_radians() / 3.0).powi(2);
+    let mut normal_matrix = Matrix3::from_diagonal(&Vector3::new(slope_prior, slope_prior, 0.0));
+    let mut right_side = Vector3::zeros();
+    for (p, tolerance) in near {
+        let d = p.at.coords - center;
+        let row = Vector3::new(d.x, d.y, 1.0);
+        let weight = 9.0 / (tolerance * tolerance);
+        normal_matrix += row * row.transpose() * weight;
+        right_side += row * (weight * d.z);
+    }
+    let slope = Cholesky::new(normal_matrix)?.solve(&right_side);
+    let normal = Unit::try_new(Vector3::new(-slope.x, -slope.y, 1.0), 1e-9)?;
+    Some(Plane::through(&(center + Vector3::z() * slope.z).into(), normal))
 }
 
 /// Whether most of the points lie within a few centimetres of a plane that is already known: a bent depth image
