@@ -2,6 +2,7 @@
 
 use super::{
     Outcome,
+    eval::read_ground_truth,
     recording::{CAMERA_FRAME, ODOM_FRAME, Recording, refuse_existing, truth_path, write_truth},
 };
 use crate::{
@@ -92,9 +93,7 @@ fn read_truth(folder: &Path) -> anyhow::Result<Option<GroundTruth>> {
     if !path.exists() {
         return Ok(None);
     }
-    let text =
-        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    GroundTruth::from_json(&text).map(Some).with_context(|| path.display().to_string())
+    read_ground_truth(&path).map(Some)
 }
 
 /// One message to write.
