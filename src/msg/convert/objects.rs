@@ -76,7 +76,7 @@ pub fn detections_3d<'a>(
             .into_iter()
             .map(|(class_id, score)| ObjectHypothesisWithPose {
                 hypothesis: ObjectHypothesis { class_id, score },
-                pose: pose,
+                pose,
             })
             .collect();
         Detection3D {
