@@ -54,11 +54,8 @@ struct TumArgs {
 pub(super) fn run(args: &Args) -> Outcome {
     let Form::Tum(args) = &args.form;
     let truth = read_truth(&args.folder)?;
-    let beside = truth_path(&args.output);
-    match &truth {
-        Some(_) => refuse_existing(&[&args.output, &beside], args.force)?,
-        None => refuse_existing(&[&args.output], args.force)?,
-    }
+    // Even without a truth of its own: a bag must not lie beside the truth of another.
+    refuse_existing(&[&args.output, &truth_path(&args.output)], args.force)?;
     let options = TumOptions { camera: args.camera.clone(), odometry: args.odometry.clone() };
     let folder = TumFolder::open(&args.folder, &options)?;
     let mut bag = Recording::create(&args.output)?;

@@ -1,11 +1,11 @@
 //! The map file, `map.json`.
 
 use crate::{
-    geometry::{Ellipsoid, Outline, Pose},
+    geometry::{Ellipsoid, Outline, pose_from_xyzw},
     mapping::MapObject,
     time::Stamp,
 };
-use nalgebra::{Quaternion, SMatrix, Translation3, UnitQuaternion};
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use thiserror::Error;
@@ -165,9 +165,6 @@ fn record(object: &MapObject) -> ObjectRecord {
     }
 }
 
-/// Quaternions may be written with few digits; one farther from unit length than this is a mistake.
-const QUATERNION_TOLERANCE: f64 = 0.01;
-
 fn checked(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
     let id = record.id;
     let bad = |field, wanted| MapFileError::BadObject { id, field, wanted };
@@ -179,8 +176,8 @@ fn checked(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
     let covariance = covariance(&record.covariance).ok_or_else(|| {
         bad("covariance", "has to be 81 numbers of a symmetric positive definite matrix")
     })?;
-    let rotation = UnitQuaternion::from_quaternion(quaternion(&record));
-    let pose = Pose::from_parts(Translation3::from(record.position), rotation);
+    let pose = pose_from_xyzw(record.position, record.orientation)
+        .ok_or_else(|| bad("orientation", "has to be a quaternion of unit length"))?;
     Ok(SavedObject {
         id,
         label: record.label,
@@ -197,7 +194,7 @@ fn checked(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
 }
 
 /// Whether each field is as it has to be.
-fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 9] {
+fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 8] {
     let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
     let positive = |values: &[f64]| finite(values) && values.iter().all(|v| *v > 0.0);
     let probability = |p: &f64| (0.0..=1.0).contains(p);
@@ -206,7 +203,6 @@ fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 9] {
         Outline::Superquadric(e1, e2) => positive(&[e1, e2]) && e1 <= 1.0 && e2 <= 1.0,
         Outline::Ellipsoid | Outline::Cuboid | Outline::Cylinder => true,
     };
-    let is_unit = (quaternion(record).norm() - 1.0).abs() < QUATERNION_TOLERANCE;
     let in_order = finite(&stamps) && stamps[0] <= stamps[1];
     let labels_fit = record.labels.values().all(probability);
     let support = record.support_height.is_none_or(f64::is_finite);
@@ -216,16 +212,10 @@ fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 9] {
         (probability(&record.existence), "existence", "has to be between 0 and 1"),
         (in_order, "first_seen", "has to be finite and not after last_seen"),
         (finite(&record.position), "position", "has to be finite"),
-        (is_unit, "orientation", "has to be a quaternion of unit length"),
         (positive(&record.semi_axes), "semi_axes", "have to be positive"),
         (exponents_fit, "outline", "has to have exponents above 0 and up to 1"),
         (support, "support_height", "has to be finite"),
     ]
-}
-
-fn quaternion(record: &ObjectRecord) -> Quaternion<f64> {
-    let [x, y, z, w] = record.orientation;
-    Quaternion::new(w, x, y, z)
 }
 
 /// A row-major matrix, made exactly symmetric where it is so up to rounding.

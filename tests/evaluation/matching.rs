@@ -10,9 +10,12 @@ fn on_a_line(xs: &[f64]) -> Vec<Point3<f64>> {
     xs.iter().map(|x| Point3::new(*x, 0.0, 0.0)).collect()
 }
 
+/// Two lists of points and the pairs of their indices.
+type Case = (&'static [f64], &'static [f64], &'static [(usize, usize)]);
+
 #[test]
 fn the_assignment_is_the_best_one() {
-    let cases: &[(&[f64], &[f64], &[(usize, usize)])] = &[
+    let cases: &[Case] = &[
         (&[], &[1.0], &[]),
         (&[1.0], &[], &[]),
         (&[0.0], &[0.74], &[(0, 0)]),
