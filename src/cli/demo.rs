@@ -1,7 +1,9 @@
 //! `demo`: the main job on the demo bag.
 
 use super::{Outcome, replay};
+use crate::io::read_map;
 use clap::Parser;
+use nalgebra::Vector3;
 use std::{fs, path::PathBuf};
 
 /// Replay the demo bag, then say what was found and where to look.
@@ -25,20 +27,16 @@ pub(super) fn run(args: &Args) -> Outcome {
         json: false,
     };
     replay::run(&replay_args)?;
-    let map: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(args.output.join("map.json"))?)?;
+    let map = read_map(&fs::read_to_string(args.output.join("map.json"))?)?;
     println!("\n{:>3}  {:<16} {:>24}  {:>20}", "id", "label", "position [m]", "full size [m]");
-    for object in map["objects"].as_array().into_iter().flatten() {
-        let numbers = |key: &str, factor: f64| -> String {
-            let parts = object[key].as_array().into_iter().flatten();
-            parts.map(|v| format!("{:6.2}", factor * v.as_f64().unwrap_or(f64::NAN))).collect()
-        };
+    for object in &map.objects {
+        let numbers = |v: &Vector3<f64>| v.iter().map(|x| format!("{x:6.2}")).collect::<String>();
         println!(
             "{:>3}  {:<16} {:>24}  {:>20}",
-            object["id"],
-            object["label"].as_str().unwrap_or_default(),
-            numbers("position", 1.0),
-            numbers("semi_axes", 2.0),
+            object.id,
+            object.label,
+            numbers(&object.ellipsoid.center().coords),
+            numbers(&(object.ellipsoid.semi_axes * 2.0)),
         );
     }
     println!(

@@ -2,6 +2,7 @@
 
 use super::{
     Outcome,
+    eval::read_ground_truth,
     recording::{CAMERA_FRAME, ODOM_FRAME, Recording, refuse_existing, truth_path, write_truth},
 };
 use crate::{
@@ -53,11 +54,8 @@ struct TumArgs {
 pub(super) fn run(args: &Args) -> Outcome {
     let Form::Tum(args) = &args.form;
     let truth = read_truth(&args.folder)?;
-    let beside = truth_path(&args.output);
-    match &truth {
-        Some(_) => refuse_existing(&[&args.output, &beside], args.force)?,
-        None => refuse_existing(&[&args.output], args.force)?,
-    }
+    // Even without a truth of its own: a bag must not lie beside the truth of another.
+    refuse_existing(&[&args.output, &truth_path(&args.output)], args.force)?;
     let options = TumOptions { camera: args.camera.clone(), odometry: args.odometry.clone() };
     let folder = TumFolder::open(&args.folder, &options)?;
     let mut bag = Recording::create(&args.output)?;
@@ -92,9 +90,7 @@ fn read_truth(folder: &Path) -> anyhow::Result<Option<GroundTruth>> {
     if !path.exists() {
         return Ok(None);
     }
-    let text =
-        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    GroundTruth::from_json(&text).map(Some).with_context(|| path.display().to_string())
+    read_ground_truth(&path).map(Some)
 }
 
 /// One message to write.

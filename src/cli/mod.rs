@@ -2,6 +2,8 @@
 
 mod config;
 mod demo;
+mod eval;
+mod eval_table;
 mod import;
 mod inspect;
 mod recording;
@@ -32,6 +34,7 @@ enum Command {
     Inspect(inspect::Args),
     Import(import::Args),
     Simulate(simulate::Args),
+    Eval(eval::Args),
     Config(config::Args),
 }
 
@@ -67,6 +70,7 @@ pub fn run() -> ExitCode {
         Command::Inspect(args) => inspect::run(args),
         Command::Import(args) => import::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Eval(args) => eval::run(args),
         Command::Config(args) => config::run(args),
     };
     match outcome {

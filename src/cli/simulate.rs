@@ -11,6 +11,7 @@ use super::{
 use crate::{
     eval::{self, TrueObject},
     geometry::interpolate,
+    io::{trajectory_text, write_atomically},
     perception::{DepthImage, Detection},
     pipeline::{DepthMessage, DetectionsMessage, OdometryMessage, StampedTransform},
     sim::{GroundTruth, OdometryReading, SimulatedFrame, Simulation},
@@ -21,7 +22,7 @@ use clap::Parser;
 use indicatif::ProgressBar;
 use std::path::PathBuf;
 
-/// Write a bag of a simulated scene, and its true objects as STEM.gt.json beside it.
+/// Write a bag of a simulated scene, and beside it its true objects as STEM.gt.json and its true poses as STEM.gt.tum.
 #[derive(Debug, Parser)]
 pub(super) struct Args {
     /// Where things stand.
@@ -80,11 +81,16 @@ pub(super) fn run(args: &Args) -> Outcome {
         print!("{yaml}");
         return Ok(());
     };
-    refuse_existing(&[output, &truth_path(output)], args.force)?;
+    let poses_path = output.with_extension("gt.tum");
+    refuse_existing(&[output, &truth_path(output), &poses_path], args.force)?;
     let mut bag = Recording::create(output)?;
     let written = write(&mut bag, &simulation, &args.images)?;
     bag.finish()?;
     write_truth(output, &written.truth)?;
+    let poses = simulation.world_from_base().iter().enumerate();
+    let poses: Vec<_> = poses.map(|(i, pose)| (simulation.stamp(i), *pose)).collect();
+    write_atomically(&poses_path, trajectory_text(&poses).as_bytes())
+        .with_context(|| format!("cannot write {}", poses_path.display()))?;
     println!(
         "{}: {} RGB-D frames, {} boxes; {} of {} objects were seen: {}",
         output.display(),

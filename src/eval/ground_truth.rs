@@ -1,7 +1,7 @@
 //! The true objects of a scene, `*.gt.json`.
 
-use crate::geometry::{OrientedBox, Pose};
-use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
+use crate::geometry::{OrientedBox, Pose, pose_from_xyzw};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use thiserror::Error;
@@ -103,13 +103,10 @@ struct Record {
     observations: u64,
 }
 
-/// Quaternions are written with few digits; one farther from unit length than this is a mistake.
-const QUATERNION_TOLERANCE: f64 = 0.01;
-
 fn checked(record: Record) -> Result<TrueObject, GroundTruthError> {
     let Record { id, label, position, orientation, size, observations } = record;
     let bad = |problem| GroundTruthError::BadObject { id, problem };
-    let pose = pose_from(position, orientation)
+    let pose = pose_from_xyzw(position, orientation)
         .ok_or_else(|| bad("the pose is not finite or the quaternion is not of unit length"))?;
     if !size.iter().all(|s| s.is_finite() && *s > 0.0) {
         return Err(bad("the size is not positive"));
@@ -118,17 +115,6 @@ fn checked(record: Record) -> Result<TrueObject, GroundTruthError> {
         return Err(bad("the label is empty"));
     }
     Ok(TrueObject { id, label, pose, size: size.into(), observations })
-}
-
-/// A pose from a position [m] and a quaternion xyzw.
-fn pose_from(position: [f64; 3], [x, y, z, w]: [f64; 4]) -> Option<Pose> {
-    let quaternion = Quaternion::new(w, x, y, z);
-    let is_unit = (quaternion.norm() - 1.0).abs() < QUATERNION_TOLERANCE;
-    let is_finite = position.iter().all(|p| p.is_finite());
-    (is_unit && is_finite).then(|| {
-        let rotation = UnitQuaternion::from_quaternion(quaternion);
-        Pose::from_parts(Translation3::from(position), rotation)
-    })
 }
 
 fn record(object: &TrueObject) -> Record {

@@ -1,7 +1,24 @@
 //! How good a map and a trajectory are, measured against the truth.
 //!
-//! Pure: texts and values in, numbers out; whoever has files reads them.
+//! Pure: texts and values in, numbers out; whoever has files reads them. Every measure of an object is the same
+//! however its axes are named.
 
+mod axes;
+mod calibration;
 mod ground_truth;
+mod matching;
+mod object_error;
+mod objects;
+mod trajectory;
 
+pub use calibration::{Calibration, NormalisedError};
 pub use ground_truth::{GroundTruth, GroundTruthError, TrueObject};
+pub use matching::{MATCH_DISTANCE_M, assignment};
+pub use object_error::{ObjectError, ROUND_FOOTPRINT, rotation_error_deg, shape_error};
+pub use objects::{
+    EstimatedObject, FalseObject, MIN_OBSERVATIONS, Match, MissedObject, ObjectScores, evaluate,
+};
+pub use trajectory::{
+    MAX_STAMP_DISTANCE_S, Statistics, TrajectoryError, TrajectoryScores, aligned,
+    evaluate_trajectory,
+};

@@ -1,9 +1,21 @@
 //! Rigid transforms and their tangent space.
 
-use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector6};
 
 /// A rigid transform `a_from_b`.
 pub type Pose = Isometry3<f64>;
+
+/// A pose from a position and a quaternion xyzw, as files have them; nothing where a number is not finite or the
+/// quaternion is farther from unit length than few digits explain.
+pub fn pose_from_xyzw(position: [f64; 3], [x, y, z, w]: [f64; 4]) -> Option<Pose> {
+    const TOLERANCE: f64 = 0.01;
+    let quaternion = Quaternion::new(w, x, y, z);
+    let is_unit = (quaternion.norm() - 1.0).abs() < TOLERANCE;
+    (is_unit && position.iter().all(|p| p.is_finite())).then(|| {
+        let rotation = UnitQuaternion::from_quaternion(quaternion);
+        Pose::from_parts(Translation3::from(position), rotation)
+    })
+}
 
 /// The cross-product matrix: `skew(a) * b = a × b`.
 pub fn skew(v: Vector3<f64>) -> Matrix3<f64> {

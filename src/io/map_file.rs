@@ -1,24 +1,102 @@
 //! The map file, `map.json`.
 
-use crate::{geometry::Outline, mapping::MapObject};
-use serde::Serialize;
-use std::collections::BTreeMap;
+use crate::{
+    geometry::{Ellipsoid, Outline, pose_from_xyzw},
+    mapping::MapObject,
+    time::Stamp,
+};
+use nalgebra::SMatrix;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use thiserror::Error;
 
 /// The format's version; readers refuse others.
 const VERSION: u32 = 1;
 
-#[derive(Serialize)]
-struct MapFile<'a> {
+/// A map as it was saved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedMap {
+    /// The frame that poses are in.
+    pub frame_id: String,
+    /// In the order of the file; no id twice.
+    pub objects: Vec<SavedObject>,
+}
+
+/// An object of a saved map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedObject {
+    /// Its identity.
+    pub id: u64,
+    /// Its most probable label.
+    pub label: String,
+    /// Probability of each label.
+    pub labels: BTreeMap<String, f64>,
+    /// Probability that it exists.
+    pub existence: f64,
+    /// Measurements that were joined to it.
+    pub observations: u32,
+    /// Stamp of the first measurement.
+    pub first_seen: Stamp,
+    /// Stamp of the latest measurement.
+    pub last_seen: Stamp,
+    /// Where it is, and half its extents.
+    pub ellipsoid: Ellipsoid,
+    /// What fills its extents.
+    pub outline: Outline,
+    /// Height of the plane it stands on [m], if one was seen.
+    pub support_height_m: Option<f64>,
+    /// Positive definite, of `[rotation, translation, log semi-axes]`, a right perturbation in the object's frame.
+    pub covariance: SMatrix<f64, 9, 9>,
+}
+
+/// Why a text is not a map.
+#[derive(Debug, Error)]
+pub enum MapFileError {
+    /// Not JSON, or not in this form.
+    #[error("not a map file: {0}")]
+    Form(#[from] serde_json::Error),
+    /// Written by another version.
+    #[error("the map has version {version}, this program reads version {VERSION}")]
+    Version {
+        /// The file's version.
+        version: u32,
+    },
+    /// The same id twice.
+    #[error("two objects have the id {id}")]
+    DuplicateId {
+        /// The id.
+        id: u64,
+    },
+    /// A field that cannot be.
+    #[error("object {id}: {field} {wanted}")]
+    BadObject {
+        /// The object.
+        id: u64,
+        /// The field.
+        field: &'static str,
+        /// What it has to be.
+        wanted: &'static str,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+struct MapFile {
     version: u32,
-    frame_id: &'a str,
-    objects: Vec<ObjectRecord<'a>>,
+    frame_id: String,
+    objects: Vec<ObjectRecord>,
+}
+
+/// What every version has.
+#[derive(Deserialize)]
+struct VersionOnly {
+    version: u32,
 }
 
 /// An object as the file has it: metres, seconds, quaternion xyzw.
-#[derive(Serialize)]
-struct ObjectRecord<'a> {
+#[derive(Serialize, Deserialize)]
+struct ObjectRecord {
     id: u64,
-    label: &'a str,
+    label: String,
     labels: BTreeMap<String, f64>,
     existence: f64,
     observations: u32,
@@ -41,19 +119,38 @@ pub fn map_json<'a>(
     frame_id: &str,
 ) -> serde_json::Result<String> {
     let objects = objects.into_iter().map(record).collect();
-    let mut text = serde_json::to_string_pretty(&MapFile { version: VERSION, frame_id, objects })?;
+    let file = MapFile { version: VERSION, frame_id: frame_id.to_owned(), objects };
+    let mut text = serde_json::to_string_pretty(&file)?;
     text.push('\n');
     Ok(text)
 }
 
-fn record(object: &MapObject) -> ObjectRecord<'_> {
+/// Reads the text of a map file. Fields that are not known here are passed over.
+///
+/// # Errors
+/// When the version is another one, a field is missing or a value cannot be.
+pub fn read_map(text: &str) -> Result<SavedMap, MapFileError> {
+    let VersionOnly { version } = serde_json::from_str(text)?;
+    if version != VERSION {
+        return Err(MapFileError::Version { version });
+    }
+    let file: MapFile = serde_json::from_str(text)?;
+    let mut ids = BTreeSet::new();
+    if let Some(object) = file.objects.iter().find(|o| !ids.insert(o.id)) {
+        return Err(MapFileError::DuplicateId { id: object.id });
+    }
+    let objects = file.objects.into_iter().map(checked).collect::<Result<_, _>>()?;
+    Ok(SavedMap { frame_id: file.frame_id, objects })
+}
+
+fn record(object: &MapObject) -> ObjectRecord {
     let ellipsoid = object.ellipsoid();
     let q = ellipsoid.pose.rotation;
     // Row-major; nalgebra stores columns.
     let covariance = object.covariance().transpose().as_slice().to_vec();
     ObjectRecord {
         id: object.id.0,
-        label: object.label(),
+        label: object.label().to_owned(),
         labels: object.labels(),
         existence: object.existence(),
         observations: object.observations,
@@ -66,4 +163,74 @@ fn record(object: &MapObject) -> ObjectRecord<'_> {
         support_height: object.support_height_m,
         covariance,
     }
+}
+
+fn checked(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
+    let id = record.id;
+    let bad = |field, wanted| MapFileError::BadObject { id, field, wanted };
+    for (is_good, field, wanted) in checks(&record) {
+        if !is_good {
+            return Err(bad(field, wanted));
+        }
+    }
+    let covariance = covariance(&record.covariance).ok_or_else(|| {
+        bad("covariance", "has to be 81 numbers of a symmetric positive definite matrix")
+    })?;
+    let pose = pose_from_xyzw(record.position, record.orientation)
+        .ok_or_else(|| bad("orientation", "has to be a quaternion of unit length"))?;
+    Ok(SavedObject {
+        id,
+        label: record.label,
+        labels: record.labels,
+        existence: record.existence,
+        observations: record.observations,
+        first_seen: Stamp::from_secs(record.first_seen),
+        last_seen: Stamp::from_secs(record.last_seen),
+        ellipsoid: Ellipsoid::new(pose, record.semi_axes.into()),
+        outline: record.outline,
+        support_height_m: record.support_height,
+        covariance,
+    })
+}
+
+/// Whether each field is as it has to be.
+fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 8] {
+    let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
+    let positive = |values: &[f64]| finite(values) && values.iter().all(|v| *v > 0.0);
+    let probability = |p: &f64| (0.0..=1.0).contains(p);
+    let stamps = [record.first_seen, record.last_seen];
+    let exponents_fit = match record.outline {
+        Outline::Superquadric(e1, e2) => positive(&[e1, e2]) && e1 <= 1.0 && e2 <= 1.0,
+        Outline::Ellipsoid | Outline::Cuboid | Outline::Cylinder => true,
+    };
+    let in_order = finite(&stamps) && stamps[0] <= stamps[1];
+    let labels_fit = record.labels.values().all(probability);
+    let support = record.support_height.is_none_or(f64::is_finite);
+    [
+        (!record.label.is_empty(), "label", "must not be empty"),
+        (labels_fit, "labels", "have to have probabilities between 0 and 1"),
+        (probability(&record.existence), "existence", "has to be between 0 and 1"),
+        (in_order, "first_seen", "has to be finite and not after last_seen"),
+        (finite(&record.position), "position", "has to be finite"),
+        (positive(&record.semi_axes), "semi_axes", "have to be positive"),
+        (exponents_fit, "outline", "has to have exponents above 0 and up to 1"),
+        (support, "support_height", "has to be finite"),
+    ]
+}
+
+/// A row-major matrix, made exactly symmetric where it is so up to rounding.
+fn covariance(numbers: &[f64]) -> Option<SMatrix<f64, 9, 9>> {
+    /// Of the geometric mean of the two variances.
+    const ASYMMETRY: f64 = 1e-6;
+    if numbers.len() != 81 || !numbers.iter().all(|v| v.is_finite()) {
+        return None;
+    }
+    let given = SMatrix::<f64, 9, 9>::from_row_slice(numbers);
+    let is_symmetric = (0..81).all(|k| {
+        let (i, j) = (k / 9, k % 9);
+        let scale = (given[(i, i)] * given[(j, j)]).abs().sqrt();
+        (given[(i, j)] - given[(j, i)]).abs() <= ASYMMETRY * scale
+    });
+    let symmetric = (given + given.transpose()) * 0.5;
+    (is_symmetric && symmetric.cholesky().is_some()).then_some(symmetric)
 }

@@ -128,6 +128,9 @@ pub fn compressed_depth_message(depth: &DepthMessage) -> Result<CompressedImage,
     let mut encoder = png::Encoder::new(&mut data, depth.image.width(), depth.image.height());
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::Sixteen);
+    // Noise in the low byte of two makes differences of neighbours less regular than the samples themselves:
+    // without a filter a real or simulated Kinect's image is 7 to 20 % smaller than with the best one.
+    encoder.set_filter(png::Filter::NoFilter);
     let mut writer = encoder.write_header().map_err(problem)?;
     let samples = depth.image.metres().iter().map(|z| millimetres_of(*z));
     let samples: Vec<u8> = samples.flat_map(u16::to_be_bytes).collect();
