@@ -98,6 +98,10 @@ impl Faces {
     /// that is not known, somewhat further, for objects are seldom much thinner than they are wide and high.
     fn guess_what_is_hidden(&mut self, prior: &ClassPrior) {
         let extents: [f64; 3] = std::array::from_fn(|axis| self.extent_m(axis));
+        let is_open =
+            |axis: usize| self.faces[2 * axis..2 * axis + 2].iter().any(|f| !f.side.is_known());
+        // Where both ends are open, it is not even known which side is the longer one.
+        let ambiguous = is_open(0) && is_open(1);
         let usual = prior.size_m.map(|size| usual_extents(size, &extents));
         // The bottom is settled by what the object stands on.
         for i in [0, 1, 2, 3, 5] {
@@ -105,7 +109,11 @@ impl Faces {
             let across = extents[(axis + 1) % 3].min(extents[(axis + 2) % 3]);
             let (guess, sigma_m) = match (self.faces[i].side, usual) {
                 (Side::Seen | Side::Support | Side::Mirrored, _) => continue,
-                (_, Some(usual)) => (usual[axis] - extents[axis], SIZE_SPREAD * usual[axis]),
+                (_, Some(usual)) => {
+                    let unclear =
+                        if ambiguous && axis < 2 { 0.5 * (usual[0] - usual[1]) } else { 0.0 };
+                    (usual[axis] - extents[axis], (SIZE_SPREAD * usual[axis]).hypot(unclear))
+                }
                 (Side::Hidden, None) => {
                     let beyond = HIDDEN_SHARE * across.max(0.5 * extents[axis]);
                     (beyond, 1.5 * beyond)

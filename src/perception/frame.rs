@@ -2,7 +2,7 @@
 
 use super::DepthImage;
 use crate::geometry::{Camera, Pose};
-use nalgebra::{Point2, Point3, Rotation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Point2, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Standard deviation of a depth reading, growing with the square of the range.
@@ -72,7 +72,7 @@ pub struct Frame<'a> {
     depth: &'a DepthImage,
     rays: &'a Rays,
     noise: DepthNoise,
-    level_from_camera: UnitQuaternion<f64>,
+    level_from_camera: Matrix3<f64>,
 }
 
 impl<'a> Frame<'a> {
@@ -93,7 +93,8 @@ impl<'a> Frame<'a> {
 
     /// Rotation from the camera's optical frame to the level frame; the origins coincide.
     pub fn level_from_camera(&self) -> Pose {
-        Pose::from_parts(nalgebra::Translation3::identity(), self.level_from_camera)
+        let rotation = Rotation3::from_matrix_unchecked(self.level_from_camera);
+        Pose::from_parts(Translation3::identity(), UnitQuaternion::from_rotation_matrix(&rotation))
     }
 
     /// The camera.
@@ -121,7 +122,7 @@ impl<'a> Frame<'a> {
     /// Depth along the optical axis (m) of a point in the level frame, and the pixel it falls on.
     #[inline]
     pub fn project(&self, point_in_level: &Point3<f64>) -> Option<(f64, Point2<f64>)> {
-        let in_camera = self.level_from_camera.inverse_transform_point(point_in_level);
+        let in_camera = Point3::from(self.level_from_camera.tr_mul(&point_in_level.coords));
         Some((in_camera.z, self.rays.camera.project(&in_camera)?))
     }
 
@@ -157,7 +158,7 @@ pub enum Sight {
     },
 }
 
-fn level_from_camera(up_in_camera: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
+fn level_from_camera(up_in_camera: &Unit<Vector3<f64>>) -> Matrix3<f64> {
     let up = up_in_camera.into_inner();
     // Looking straight down leaves no horizontal view direction: the image's upward direction serves then.
     let forward = [Vector3::z(), -Vector3::y()]
@@ -167,7 +168,5 @@ fn level_from_camera(up_in_camera: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
         .unwrap_or_else(Vector3::x_axis)
         .into_inner();
     let left = up.cross(&forward);
-    let rows =
-        nalgebra::Matrix3::from_rows(&[forward.transpose(), left.transpose(), up.transpose()]);
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rows))
+    Matrix3::from_rows(&[forward.transpose(), left.transpose(), up.transpose()])
 }

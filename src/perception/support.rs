@@ -72,8 +72,8 @@ pub(super) struct GridPoint {
     pub(super) u: i32,
     pub(super) v: i32,
     pub(super) at: Point3<f64>,
-    /// Standard deviation of the reading along the viewing ray (m).
-    pub(super) sigma_m: f64,
+    /// Variance of the reading along the viewing ray over the squared range.
+    relative_variance: f64,
 }
 
 /// Finds the support planes of a frame, the one with most points first.
@@ -86,12 +86,10 @@ pub fn find_support_planes(frame: &Frame<'_>, settings: &SupportSettings) -> Vec
     while planes.len() < settings.max_planes && candidates.len() >= enough {
         let Some(hypothesis) = best_hypothesis(&candidates, settings, &mut rng) else { break };
         let refined = refine(&hypothesis, &candidates, settings);
-        let band = |p: &GridPoint, plane: &Plane, factor: f64| {
-            plane.signed_distance(&p.at).abs() < factor * tolerance(p, plane, settings)
-        };
         let plane = refined.unwrap_or(hypothesis);
+        let near = |p: &GridPoint, sigmas: f64| is_near(p, &plane, sigmas, settings);
         let (inliers, rest): (Vec<_>, Vec<_>) =
-            candidates.iter().partition(|p| band(p, &plane, 1.0));
+            candidates.iter().partition(|p| near(p, INLIER_SIGMAS));
         let found = inliers.len();
         if found >= enough && refined.is_some() && !repeats(&planes, &inliers) {
             let sum: f64 = inliers.iter().map(|p| plane.signed_distance(&p.at).powi(2)).sum();
@@ -103,7 +101,7 @@ pub fn find_support_planes(frame: &Frame<'_>, settings: &SupportSettings) -> Vec
             });
         }
         // What lies just outside the band is the same surface's tail, not another surface.
-        let left: Vec<_> = rest.into_iter().filter(|p| !band(p, &plane, 2.0)).collect();
+        let left: Vec<_> = rest.into_iter().filter(|p| !near(p, 2.0 * INLIER_SIGMAS)).collect();
         if left.len() + enough > candidates.len() {
             break;
         }
@@ -112,12 +110,21 @@ pub fn find_support_planes(frame: &Frame<'_>, settings: &SupportSettings) -> Vec
     planes
 }
 
-/// Three standard deviations of a point's distance from `plane`: noise acts along the ray, so grazing views
-/// are less noisy across the plane.
-fn tolerance(point: &GridPoint, plane: &Plane, settings: &SupportSettings) -> f64 {
-    let along = plane.normal.dot(&point.at.coords).abs() / point.at.coords.norm().max(1e-6);
-    3.0 * (point.sigma_m * along).hypot(settings.flatness_m)
+/// Variance of a point's distance from `plane` (m^2): noise acts along the ray, so grazing views are less noisy across
+/// the plane.
+fn variance(point: &GridPoint, plane: &Plane, settings: &SupportSettings) -> f64 {
+    let along = plane.normal.dot(&point.at.coords);
+    point.relative_variance * along * along + settings.flatness_m * settings.flatness_m
 }
+
+/// Whether a point lies within `sigmas` standard deviations of a plane.
+fn is_near(point: &GridPoint, plane: &Plane, sigmas: f64, settings: &SupportSettings) -> bool {
+    let distance = plane.signed_distance(&point.at);
+    distance * distance < sigmas * sigmas * variance(point, plane, settings)
+}
+
+/// Inliers lie this near to their plane (standard deviations).
+const INLIER_SIGMAS: f64 = 3.0;
 
 /// Sampled points whose local surface is roughly horizontal, at most one in each cell of `stride_px`: a table top at
 /// eye level gives few readings, and none must be missed because its neighbour was sampled.
@@ -136,23 +143,24 @@ fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridP
             let reading = |(u, v)| frame.depth().at(u, v).map(|z| (u, v, f64::from(z)));
             let Some((u, v, z)) = spots.into_iter().find_map(reading) else { continue };
             let sigma_m = frame.sigma_m(z);
-            if let Some(normal) = surface_normal(frame, u, v, 0.02_f64.max(6.0 * sigma_m))
-                && normal.z >= min_up
-                && let Some(at) = frame.point_in_level(u, v)
-            {
-                out.push(GridPoint { u, v, at, sigma_m });
+            let Some(at) = frame.point_in_level(u, v) else { continue };
+            let baseline_m = 0.02_f64.max(6.0 * sigma_m);
+            if level_normal(frame, u, v, &at, baseline_m).is_some_and(|normal| normal.z >= min_up) {
+                let relative_variance = sigma_m * sigma_m / at.coords.norm_squared();
+                out.push(GridPoint { u, v, at, relative_variance });
             }
         }
     }
     out
 }
 
-/// Normal of the surface at a pixel from the nearest readings on four sides that are `baseline_m` apart: a step of
-/// one pixel on surfaces seen at a grazing angle, of many on those that face the camera.
-fn surface_normal(
+/// Normal of a roughly level surface at a pixel, from the nearest readings on four sides that are `baseline_m` apart: a
+/// step of one pixel on surfaces seen at a grazing angle, of many on those that face the camera.
+fn level_normal(
     frame: &Frame<'_>,
     u: i32,
     v: i32,
+    here: &Point3<f64>,
     baseline_m: f64,
 ) -> Option<Unit<Vector3<f64>>> {
     let (depth, (focal, _)) = (frame.depth(), frame.camera().focal());
@@ -165,10 +173,19 @@ fn surface_normal(
             if along.hypot(across) < 0.5 * baseline_m { None } else { frame.point_in_level(u, v) }
         })
     };
-    let (right, left) = (neighbour(1, 0)?, neighbour(-1, 0)?);
+    // Most pixels are on walls and fronts, where a step down the image is a step down in the room: they are
+    // recognised by two neighbours.
     let (below, above) = (neighbour(0, 1)?, neighbour(0, -1)?);
-    normal_of_cross(frame.point_in_level(u, v)?, [right, left, below, above])
+    let step = below - above;
+    if step.z.abs() > STEEP * step.norm() {
+        return None;
+    }
+    let (right, left) = (neighbour(1, 0)?, neighbour(-1, 0)?);
+    normal_of_cross(*here, [right, left, below, above])
 }
+
+/// A line in a surface that rises by more than this share of its length is not in a level one.
+const STEEP: f64 = 0.6;
 
 /// Tried in this order.
 const STEPS_PX: [i32; 9] = [1, 2, 3, 4, 6, 8, 12, 16, 24];
@@ -230,10 +247,7 @@ fn best_hypothesis(
             plane_through(&a, &draw(), &draw()).filter(|plane| plane.normal.z >= min_up)
         };
         let Some(plane) = plane else { continue };
-        let score = scored
-            .iter()
-            .filter(|p| plane.signed_distance(&p.at).abs() < tolerance(p, &plane, settings))
-            .count();
+        let score = scored.iter().filter(|p| is_near(p, &plane, INLIER_SIGMAS, settings)).count();
         if best.is_none_or(|(most, _)| score > most) {
             best = Some((score, plane));
         }
@@ -252,8 +266,8 @@ fn plane_through(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>) -> Option<Pl
 fn refine(start: &Plane, candidates: &[GridPoint], settings: &SupportSettings) -> Option<Plane> {
     let min_up = settings.max_tilt_deg.to_radians().cos();
     let mut plane = *start;
-    for factor in [3.0, 2.0, 1.0, 1.0] {
-        plane = least_squares_plane(&plane, candidates, factor, settings)?;
+    for widening in [3.0, 2.0, 1.0, 1.0] {
+        plane = least_squares_plane(&plane, candidates, widening * INLIER_SIGMAS, settings)?;
         if plane.normal.z < min_up {
             return None;
         }
@@ -266,25 +280,22 @@ fn refine(start: &Plane, candidates: &[GridPoint], settings: &SupportSettings) -
 fn least_squares_plane(
     last: &Plane,
     candidates: &[GridPoint],
-    factor: f64,
+    sigmas: f64,
     settings: &SupportSettings,
 ) -> Option<Plane> {
-    let near: Vec<(&GridPoint, f64)> = candidates
-        .iter()
-        .map(|p| (p, tolerance(p, last, settings)))
-        .filter(|(p, tolerance)| last.signed_distance(&p.at).abs() < factor * tolerance)
-        .collect();
+    let near: Vec<&GridPoint> =
+        candidates.iter().filter(|p| is_near(p, last, sigmas, settings)).collect();
     if near.len() < 3 {
         return None;
     }
-    let center = near.iter().map(|(p, _)| p.at.coords).sum::<Vector3<f64>>() / near.len() as f64;
+    let center = near.iter().map(|p| p.at.coords).sum::<Vector3<f64>>() / near.len() as f64;
     let slope_prior = 1.0 / (settings.max_tilt_deg.to_radians() / 3.0).powi(2);
     let mut normal_matrix = Matrix3::from_diagonal(&Vector3::new(slope_prior, slope_prior, 0.0));
     let mut right_side = Vector3::zeros();
-    for (p, tolerance) in near {
+    for p in near {
         let d = p.at.coords - center;
         let row = Vector3::new(d.x, d.y, 1.0);
-        let weight = 9.0 / (tolerance * tolerance);
+        let weight = 1.0 / variance(p, last, settings);
         normal_matrix += row * row.transpose() * weight;
         right_side += row * (weight * d.z);
     }
