@@ -119,6 +119,14 @@ impl<'a> Frame<'a> {
         Some((self.level_from_camera * (self.rays.at(u, v) * z)).into())
     }
 
+    /// Height in the level frame gained for each metre of depth along the ray of a pixel.
+    #[inline]
+    pub(super) fn ray_slope(&self, u: i32, v: i32) -> Option<f64> {
+        let inside =
+            u >= 0 && v >= 0 && (u as u32) < self.depth.width() && (v as u32) < self.depth.height();
+        inside.then(|| self.level_from_camera.row(2).transpose().dot(&self.rays.at(u, v)))
+    }
+
     /// Depth along the optical axis (m) of a point in the level frame, and the pixel it falls on.
     #[inline]
     pub fn project(&self, point_in_level: &Point3<f64>) -> Option<(f64, Point2<f64>)> {

@@ -131,8 +131,6 @@ const INLIER_SIGMAS: f64 = 3.0;
 fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridPoint> {
     let (width, height) = (frame.depth().width() as i32, frame.depth().height() as i32);
     let stride = settings.stride_px.max(1) as i32;
-    // Normals are noisier than planes: the candidate test is wide, the plane test is exact.
-    let min_up = (2.5 * settings.max_tilt_deg).to_radians().cos();
     let mut out = Vec::new();
     for row in (0..height).step_by(stride as usize) {
         for column in (0..width).step_by(stride as usize) {
@@ -142,10 +140,9 @@ fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridP
             );
             let reading = |(u, v)| frame.depth().at(u, v).map(|z| (u, v, f64::from(z)));
             let Some((u, v, z)) = spots.into_iter().find_map(reading) else { continue };
-            let sigma_m = frame.sigma_m(z);
             let Some(at) = frame.point_in_level(u, v) else { continue };
-            let baseline_m = 0.02_f64.max(6.0 * sigma_m);
-            if level_normal(frame, u, v, &at, baseline_m).is_some_and(|normal| normal.z >= min_up) {
+            if is_level(frame, u, v, at.z) {
+                let sigma_m = frame.sigma_m(z);
                 let relative_variance = sigma_m * sigma_m / at.coords.norm_squared();
                 out.push(GridPoint { u, v, at, relative_variance });
             }
@@ -154,38 +151,56 @@ fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridP
     out
 }
 
-/// Normal of a roughly level surface at a pixel, from the nearest readings on four sides that are `baseline_m` apart: a
-/// step of one pixel on surfaces seen at a grazing angle, of many on those that face the camera.
-fn level_normal(
-    frame: &Frame<'_>,
-    u: i32,
-    v: i32,
-    here: &Point3<f64>,
-    baseline_m: f64,
-) -> Option<Unit<Vector3<f64>>> {
+/// Whether the readings beside, above and below lie where a level surface through this one would put them: at least
+/// one of each two, and none elsewhere.
+///
+/// A normal would say the same of surfaces seen from above, but not of a table top at eye level: there depth noise
+/// throws points about in the plane, farther than they are apart. So depth is compared with depth, at the nearest
+/// pixels above and below for which a level surface differs from an upright one by more than noise.
+fn is_level(frame: &Frame<'_>, u: i32, v: i32, height_m: f64) -> bool {
     let (depth, (focal, _)) = (frame.depth(), frame.camera().focal());
-    let z = f64::from(depth.at(u, v)?);
-    let neighbour = |du: i32, dv: i32| {
-        STEPS_PX.iter().find_map(|step| {
+    let Some(z) = depth.at(u, v).map(f64::from) else { return false };
+    let sigma_m = frame.sigma_m(z);
+    let agrees = |du: i32, dv: i32| {
+        for step in STEPS_PX {
             let (u, v) = (u + step * du, v + step * dv);
-            let along = f64::from(depth.at(u, v)?) - z;
-            let across = f64::from(*step) * z / focal;
-            if along.hypot(across) < 0.5 * baseline_m { None } else { frame.point_in_level(u, v) }
-        })
+            let slope = frame.ray_slope(u, v)?;
+            // Where a level surface is on that ray; rays at the horizon never meet it.
+            let expected = height_m / slope;
+            let change = (expected - z).abs();
+            if expected <= 0.0 || change > MAX_CHANGE_M {
+                return None;
+            }
+            let across = f64::from(step) * z / focal;
+            let is_far_enough =
+                if dv == 0 { across >= 3.0 * sigma_m } else { change >= TELLING_SIGMAS * sigma_m };
+            if is_far_enough
+                && across >= 0.005
+                && let Some(measured) = depth.at(u, v).map(f64::from)
+            {
+                let off = (measured - expected).abs();
+                return Some(off <= SLOPE_TOLERANCE * change + 3.0 * sigma_m + 0.1 * across);
+            }
+        }
+        None
     };
-    // Most pixels are on walls and fronts, where a step down the image is a step down in the room: they are
-    // recognised by two neighbours.
-    let (below, above) = (neighbour(0, 1)?, neighbour(0, -1)?);
-    let step = below - above;
-    if step.z.abs() > STEEP * step.norm() {
-        return None;
-    }
-    let (right, left) = (neighbour(1, 0)?, neighbour(-1, 0)?);
-    normal_of_cross(*here, [right, left, below, above])
+    let both = |one: Option<bool>, other: Option<bool>| match (one, other) {
+        (None, None) => false,
+        (one, other) => one != Some(false) && other != Some(false),
+    };
+    height_m < -MIN_BELOW_EYE_M
+        && both(agrees(0, 1), agrees(0, -1))
+        && both(agrees(1, 0), agrees(-1, 0))
 }
 
-/// A line in a surface that rises by more than this share of its length is not in a level one.
-const STEEP: f64 = 0.6;
+/// A level surface is told from an upright one when they differ by this much (standard deviations of depth).
+const TELLING_SIGMAS: f64 = 8.0;
+/// How far the depth may be off, as a share of the change that a level surface would show.
+const SLOPE_TOLERANCE: f64 = 0.35;
+/// Pixels where a level surface is farther away than this say nothing of the surface here (m).
+const MAX_CHANGE_M: f64 = 0.6;
+/// The top of a surface is seen from above only (m).
+const MIN_BELOW_EYE_M: f64 = 0.02;
 
 /// Tried in this order.
 const STEPS_PX: [i32; 9] = [1, 2, 3, 4, 6, 8, 12, 16, 24];
@@ -289,7 +304,7 @@ fn least_squares_plane(
         return None;
     }
     let center = near.iter().map(|p| p.at.coords).sum::<Vector3<f64>>() / near.len() as f64;
-    let slope_prior = 1.0 / (settings.max_tilt_deg.to_radians() / 3.0).powi(2);
+    let slope_prior = 1.0 / (settings.max_tilt_deg.to_radians() / 6.0).powi(2);
     let mut normal_matrix = Matrix3::from_diagonal(&Vector3::new(slope_prior, slope_prior, 0.0));
     let mut right_side = Vector3::zeros();
     for p in near {
