@@ -187,7 +187,9 @@ fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>
     let extent = last - quantile(&mut coordinates, OUTLIER_SHARE);
     let mut band: Vec<f64> = coordinates.iter().copied().filter(|c| *c > last - width).collect();
     let share = band.len() as f64 / coordinates.len() as f64;
-    let (position_m, step) = if share > FACING_SHARE && width < FACING_DEPTH * extent {
+    let (position_m, step) = if share > FACING_SHARE
+        && (width < FACING_DEPTH * extent || extent < SHEET_DEPTH * width)
+    {
         (quantile(&mut band, 0.5), 0.0)
     } else {
         let step =
@@ -308,6 +310,8 @@ const OUTLIER_SHARE: f64 = 0.005;
 const FACING_SHARE: f64 = 0.2;
 /// A cloud that is deeper than this share of the object is not one face.
 const FACING_DEPTH: f64 = 0.25;
+/// A segment that is hardly deeper than its noise is one face and nothing else.
+const SHEET_DEPTH: f64 = 1.3;
 /// Depth of the layer of outermost points (m).
 const RIM_M: f64 = 0.05;
 /// Real objects have round edges and handles (m).

@@ -276,7 +276,7 @@ fn is_part_of_object(plane: &SupportPlane, crop: &Crop) -> bool {
 }
 
 const OWN_PLANE_SHARE: f64 = 0.7;
-/// What lies this much lower, noise aside, is not the same plane [m].
+/// What lies this much lower, noise aside, is not the same plane (m).
 const OWN_PLANE_STEP_M: f64 = 0.01;
 
 /// How near to a plane a point counts as part of it (m).

@@ -126,7 +126,7 @@ fn is_near(point: &GridPoint, plane: &Plane, sigmas: f64, settings: &SupportSett
 /// Inliers lie this near to their plane (standard deviations).
 const INLIER_SIGMAS: f64 = 3.0;
 
-/// Sampled points whose local surface is roughly horizontal, at most one in each cell of `stride_px`: a table top at
+/// Sampled points whose local surface is roughly horizontal, in the order of the image's rows, at most one in each cell of `stride_px`: a table top at
 /// eye level gives few readings, and none must be missed because its neighbour was sampled.
 fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridPoint> {
     let (width, height) = (frame.depth().width() as i32, frame.depth().height() as i32);
@@ -148,11 +148,11 @@ fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridP
             }
         }
     }
+    out.sort_by_key(|p| (p.v, p.u));
     out
 }
 
-/// Whether the readings beside, above and below lie where a level surface through this one would put them: at least
-/// one of each two, and none elsewhere.
+/// Whether the readings beside, above and below lie where a level surface through this one would put them.
 ///
 /// A normal would say the same of surfaces seen from above, but not of a table top at eye level: there depth noise
 /// throws points about in the plane, farther than they are apart. So depth is compared with depth, at the nearest
@@ -161,6 +161,9 @@ fn is_level(frame: &Frame<'_>, u: i32, v: i32, height_m: f64) -> bool {
     let (depth, (focal, _)) = (frame.depth(), frame.camera().focal());
     let Some(z) = depth.at(u, v).map(f64::from) else { return false };
     let sigma_m = frame.sigma_m(z);
+    let is_at_eye_level = height_m.abs() < (EYE_LEVEL_SLOPE * z).min(EYE_LEVEL_M);
+    // Pixels where a level surface would be farther away than this say nothing of the surface here.
+    let max_change_m = if is_at_eye_level { 1.2 } else { 0.6 };
     let agrees = |du: i32, dv: i32| {
         for step in STEPS_PX {
             let (u, v) = (u + step * du, v + step * dv);
@@ -168,7 +171,7 @@ fn is_level(frame: &Frame<'_>, u: i32, v: i32, height_m: f64) -> bool {
             // Where a level surface is on that ray; rays at the horizon never meet it.
             let expected = height_m / slope;
             let change = (expected - z).abs();
-            if expected <= 0.0 || change > MAX_CHANGE_M {
+            if expected <= 0.0 || change > max_change_m {
                 return None;
             }
             let across = f64::from(step) * z / focal;
@@ -184,26 +187,30 @@ fn is_level(frame: &Frame<'_>, u: i32, v: i32, height_m: f64) -> bool {
         }
         None
     };
-    let both = |one: Option<bool>, other: Option<bool>| match (one, other) {
-        (None, None) => false,
-        (one, other) => one != Some(false) && other != Some(false),
+    // At eye level one of two is enough: a table top is a few rows high there, and what is beyond its edge gives more
+    // readings than itself.
+    let both = |one: Option<bool>, other: Option<bool>| {
+        let contradicted = one == Some(false) || other == Some(false);
+        (one == Some(true) || other == Some(true)) && (is_at_eye_level || !contradicted)
     };
     height_m < -MIN_BELOW_EYE_M
         && both(agrees(0, 1), agrees(0, -1))
         && both(agrees(1, 0), agrees(-1, 0))
 }
 
+/// Below this fall of the view a surface is seen edge-on,
+const EYE_LEVEL_SLOPE: f64 = 0.1;
+/// if it is no further below the camera than this (m).
+const EYE_LEVEL_M: f64 = 0.25;
 /// A level surface is told from an upright one when they differ by this much (standard deviations of depth).
-const TELLING_SIGMAS: f64 = 8.0;
+const TELLING_SIGMAS: f64 = 7.0;
 /// How far the depth may be off, as a share of the change that a level surface would show.
 const SLOPE_TOLERANCE: f64 = 0.35;
-/// Pixels where a level surface is farther away than this say nothing of the surface here (m).
-const MAX_CHANGE_M: f64 = 0.6;
 /// The top of a surface is seen from above only (m).
 const MIN_BELOW_EYE_M: f64 = 0.02;
 
 /// Tried in this order.
-const STEPS_PX: [i32; 9] = [1, 2, 3, 4, 6, 8, 12, 16, 24];
+const STEPS_PX: [i32; 10] = [1, 2, 3, 4, 5, 6, 8, 12, 16, 24];
 
 /// Normal of the surface at a pixel from its neighbours `step` pixels away, pointing to the camera's side.
 pub(super) fn local_normal(
@@ -319,14 +326,26 @@ fn least_squares_plane(
     Some(Plane::through(&(center + Vector3::z() * slope.z).into(), normal))
 }
 
-/// Whether most of the points lie within a few centimetres of a plane that is already known: a bent depth image
-/// makes one floor look like two.
+/// Whether most of the points lie a few centimetres beside a plane that is already known, within its reach: a bent depth
+/// image makes one floor look like two, and the top of a keyboard is no support.
 fn repeats(planes: &[SupportPlane], inliers: &[GridPoint]) -> bool {
+    let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
+    for p in inliers {
+        (low, high) = (low.inf(&p.at.coords), high.sup(&p.at.coords));
+    }
     planes.iter().any(|known| {
         let near = inliers.iter().filter(|p| known.height_of(&p.at).abs() < SAME_PLANE_M).count();
-        2 * near > inliers.len()
+        let beside = known.inliers.iter().filter(|p| {
+            let outside = (low - p.at.coords).sup(&(p.at.coords - high)).sup(&Vector3::zeros());
+            outside.xy().norm() < BESIDE_M
+        });
+        2 * near > inliers.len() && beside.count() >= MIN_BESIDE
     })
 }
 
-/// Two surfaces nearer than this are one (m).
-const SAME_PLANE_M: f64 = 0.025;
+/// Two surfaces side by side that differ in height by less than this are one (m).
+const SAME_PLANE_M: f64 = 0.04;
+/// Surfaces are side by side when points of one are this near to the other (m),
+const BESIDE_M: f64 = 0.1;
+/// and so many of them.
+const MIN_BESIDE: usize = 5;
