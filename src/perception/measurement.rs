@@ -58,8 +58,8 @@ pub enum Refused {
         /// Points asked for.
         needed: usize,
     },
-    /// All points belong to support planes.
-    #[error("nothing stands out from the support planes")]
+    /// All points belong to support planes or to walls.
+    #[error("nothing stands out from the support planes and walls")]
     NoCluster,
     /// The cluster at the box goes on far outside it: something in front of the object, or behind it.
     #[error("{:.0} % of the points lie outside the box", 100.0 * outside)]

@@ -2,6 +2,7 @@
 //!
 //! Liao et al. 2020, section IV. [`estimate_object`] is the page that reads like the paper.
 
+mod background;
 mod classes;
 mod clustering;
 mod depth;

@@ -4,6 +4,7 @@
 
 use super::{
     ClassPrior, Frame, Refused,
+    background::{is_outside, without_wall},
     clustering::euclidean_clusters,
     support::{SupportPlane, local_normal},
 };
@@ -98,13 +99,22 @@ pub(super) fn segment<'a>(
     let stands_on_top = |p: &SurfacePoint| {
         top.is_some_and(|plane| plane.height_of(&p.at) > margin_m(plane, p, settings))
     };
-    let free: Vec<SurfacePoint> = crop
+    let mut free: Vec<SurfacePoint> = crop
         .points
         .iter()
         .filter(|p| !stands_on_top(p) && !others.iter().any(|s| lies_on(s, p, settings)))
         .copied()
         .collect();
-    let first = crop.main_cluster(free, settings).ok_or(Refused::NoCluster)?;
+    let mut first = crop.main_cluster(&free, settings).ok_or(Refused::NoCluster)?;
+    // In a corner there are two walls.
+    for _ in 0..2 {
+        if crop.share_outside(&first) <= settings.max_outside_box {
+            break;
+        }
+        let Some(before_wall) = without_wall(&free, &crop.rect) else { break };
+        free = before_wall;
+        first = crop.main_cluster(&free, settings).ok_or(Refused::NoCluster)?;
+    }
     let support = supporting_plane(&others, &first);
     let above: Vec<SurfacePoint> = match support {
         Some(plane) => first
@@ -113,7 +123,7 @@ pub(super) fn segment<'a>(
             .collect(),
         None => first,
     };
-    let mut points = crop.main_cluster(above, settings).ok_or(Refused::NoCluster)?;
+    let mut points = crop.main_cluster(&above, settings).ok_or(Refused::NoCluster)?;
     let outside = crop.share_outside(&points);
     if outside > settings.max_outside_box {
         return Err(Refused::GoesOnOutsideBox { outside });
@@ -177,29 +187,24 @@ impl Crop {
     /// wall behind for chairs with open backs, plants and dark screens, so every point votes.
     fn main_cluster(
         &self,
-        points: Vec<SurfacePoint>,
+        points: &[SurfacePoint],
         settings: &SegmentationSettings,
     ) -> Option<Vec<SurfacePoint>> {
         if points.is_empty() {
             return None;
         }
         let sigma = points.iter().map(|p| p.sigma_m).sum::<f64>() / points.len() as f64;
-        let gap = settings.cluster_gap_m + 2.0 * self.spacing_m(&points) + 2.0 * sigma;
+        let gap = settings.cluster_gap_m + 2.0 * self.spacing_m(points) + 2.0 * sigma;
         let positions: Vec<Point3<f64>> = points.iter().map(|p| p.at).collect();
         let clusters = euclidean_clusters(&positions, gap);
         let best = clusters.into_iter().max_by(|a, b| {
-            self.votes(&points, a).total_cmp(&self.votes(&points, b)).then(b[0].cmp(&a[0]))
+            self.votes(points, a).total_cmp(&self.votes(points, b)).then(b[0].cmp(&a[0]))
         })?;
         Some(best.into_iter().map(|i| points[i]).collect())
     }
 
     fn share_outside(&self, points: &[SurfacePoint]) -> f64 {
-        let r = &self.rect;
-        let out = |p: &&SurfacePoint| {
-            let (u, v) = (f64::from(p.u), f64::from(p.v));
-            u < r.x_min || u > r.x_max || v < r.y_min || v > r.y_max
-        };
-        points.iter().filter(out).count() as f64 / points.len() as f64
+        points.iter().filter(|p| is_outside(p, &self.rect)).count() as f64 / points.len() as f64
     }
 
     /// Intersection over union of the box and the rectangle around the points.
