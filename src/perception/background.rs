@@ -39,7 +39,18 @@ fn wall_through(points: &[&SurfacePoint]) -> Option<Plane> {
             best = Some((inliers, plane));
         }
     }
-    best.filter(|(inliers, _)| 2 * inliers > points.len()).map(|(_, plane)| plane)
+    let (inliers, wall) = best?;
+    let is_wall = 2 * inliers > points.len() && span_m(points, &wall) > MIN_SPAN_M;
+    is_wall.then_some(wall)
+}
+
+/// Diagonal of the box round the points on a plane (m).
+fn span_m(points: &[&SurfacePoint], plane: &Plane) -> f64 {
+    let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
+    for p in points.iter().filter(|p| plane.signed_distance(&p.at).abs() < tolerance_m(p, plane)) {
+        (low, high) = (low.inf(&p.at.coords), high.sup(&p.at.coords));
+    }
+    (high - low).norm()
 }
 
 /// The upright plane through two points, its normal towards the camera, which is the origin.
@@ -56,6 +67,8 @@ fn tolerance_m(p: &SurfacePoint, plane: &Plane) -> f64 {
 }
 
 const MIN_POINTS: usize = 20;
+/// What is smaller is no wall but the next thing on the table (m).
+const MIN_SPAN_M: f64 = 0.6;
 const HYPOTHESES: usize = 40;
 /// Two points nearer than this do not tell a direction (m).
 const MIN_BASELINE_M: f64 = 0.05;
