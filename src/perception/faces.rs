@@ -177,14 +177,14 @@ fn outward(yaw: f64, i: usize) -> Vector3<f64> {
 fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>) -> Face {
     let mut coordinates: Vec<f64> =
         segment.points.iter().map(|p| p.at.coords.dot(outward)).collect();
-    let last = quantile(&mut coordinates, 1.0 - OUTLIER_SHARE);
+    let extent = quantile(&mut coordinates, 0.99) - quantile(&mut coordinates, 0.01);
+    let last = outermost(&mut coordinates, extent);
     let mut rim: Vec<&SurfacePoint> =
         segment.points.iter().filter(|p| p.at.coords.dot(outward) > last - RIM_M).collect();
     let sigma = rim.iter().map(|p| noise_along(p, outward)).sum::<f64>() / rim.len() as f64;
     // A face turned to the camera is a cloud of its own around the true position; the end of a face seen from the
     // side is, on average, half a sample beyond the last of its points.
     let width = 5.0 * sigma + 0.004;
-    let extent = last - quantile(&mut coordinates, OUTLIER_SHARE);
     let mut band: Vec<f64> = coordinates.iter().copied().filter(|c| *c > last - width).collect();
     let share = band.len() as f64 / coordinates.len() as f64;
     let (position_m, step) = if share > FACING_SHARE
@@ -200,6 +200,22 @@ fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>
     let side = what_lies_beyond(frame, segment, &rim, outward);
     let sigma_m = (sigma.powi(2) / 4.0 + step.powi(2) / 12.0 + MODEL_SIGMA_M.powi(2)).sqrt();
     Face { position_m, sigma_m, side }
+}
+
+/// The outermost coordinate at which the points are not yet sparse: readings between the object and what is behind it
+/// trail off beyond its end.
+fn outermost(coordinates: &mut [f64], extent: f64) -> f64 {
+    let n = coordinates.len();
+    let window = (0.1 * extent).clamp(0.005, 0.03);
+    let uniform = n as f64 * window / extent.max(window);
+    let enough = ((SPARSE * uniform) as usize).max(3).min(n);
+    // The tail is in the outermost tenth.
+    let tail_start = n - (n / 10).max(enough);
+    coordinates.select_nth_unstable_by(tail_start.min(n - 1), f64::total_cmp);
+    let tail = &mut coordinates[tail_start..];
+    tail.sort_unstable_by(|a, b| b.total_cmp(a));
+    let within = |i: usize| tail[i..].partition_point(|c| *c >= tail[i] - window);
+    (0..tail.len()).find(|i| within(*i) >= enough).map_or(tail[tail.len() - 1], |i| tail[i])
 }
 
 /// Distance between neighbouring samples when going `outward` along the surface at a point: along the view, on surfaces
@@ -304,8 +320,8 @@ fn noise_along(p: &SurfacePoint, direction: &Vector3<f64>) -> f64 {
     p.sigma_m * direction.dot(&p.at.coords).abs() / p.at.coords.norm().max(1e-6)
 }
 
-/// Share of the points beyond a face: what is left of flying pixels and of the background.
-const OUTLIER_SHARE: f64 = 0.005;
+/// Points are sparse where there are fewer than this share of what there would be if they were spread evenly.
+const SPARSE: f64 = 0.15;
 /// A face with more of the points than this within its noise is turned to the camera.
 const FACING_SHARE: f64 = 0.2;
 /// A cloud that is deeper than this share of the object is not one face.
