@@ -19,9 +19,9 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Outcome {
     let settings = load_settings(args.config.as_deref())?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&settings)?);
+        say!("{}", serde_json::to_string_pretty(&settings)?);
     } else {
-        print!("{}", settings_to_yaml(&settings)?);
+        say!("{}", settings_to_yaml(&settings)?.trim_end());
     }
     Ok(())
 }

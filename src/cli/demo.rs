@@ -28,10 +28,10 @@ pub(super) fn run(args: &Args) -> Outcome {
     };
     replay::run(&replay_args)?;
     let map = read_map(&fs::read_to_string(args.output.join("map.json"))?)?;
-    println!("\n{:>3}  {:<16} {:>24}  {:>20}", "id", "label", "position [m]", "full size [m]");
+    say!("\n{:>3}  {:<16} {:>24}  {:>20}", "id", "label", "position [m]", "full size [m]");
     for object in &map.objects {
         let numbers = |v: &Vector3<f64>| v.iter().map(|x| format!("{x:6.2}")).collect::<String>();
-        println!(
+        say!(
             "{:>3}  {:<16} {:>24}  {:>20}",
             object.id,
             object.label,
@@ -39,7 +39,7 @@ pub(super) fn run(args: &Args) -> Outcome {
             numbers(&(object.ellipsoid.semi_axes * 2.0)),
         );
     }
-    println!(
+    say!(
         "\nlook at {0}/result.mcap in Foxglove, or in RViz with `ros2 bag play {0}/result.mcap`;\n\
          {0}/map.json has the objects, {0}/trajectory.tum the poses",
         args.output.display()

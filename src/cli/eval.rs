@@ -59,7 +59,7 @@ pub(super) fn run(args: &Args) -> Outcome {
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&evaluation)?);
+        say!("{}", serde_json::to_string_pretty(&evaluation)?);
     } else {
         print_table(&evaluation);
     }

@@ -57,14 +57,23 @@ fn quoted(label: &str) -> String {
 
 pub(super) fn print_table(evaluation: &Evaluation) {
     let scores = &evaluation.objects;
-    println!(
+    say!(
         "{:>4} {:<16} {:>4} {:<16} {:>9} {:>10} {:>6} {:>11} {:>5} {:>9}",
-        "true", "", "map", "", "trans [m]", "rot [deg]", "shape", "paper shape", "IoU", "NEES/dim"
+        "true",
+        "",
+        "map",
+        "",
+        "trans [m]",
+        "rot [deg]",
+        "shape",
+        "paper shape",
+        "IoU",
+        "NEES/dim"
     );
     for m in &scores.matches {
-        println!("{}", match_line(m));
+        say!("{}", match_line(m));
     }
-    println!(
+    say!(
         "{:<43} {:>9} {:>10} {:>6} {:>11} {:>5} {:>9}",
         format!("mean of {}", scores.matches.len()),
         cell(scores.translation_m, 3),
@@ -75,13 +84,13 @@ pub(super) fn print_table(evaluation: &Evaluation) {
         cell(scores.calibration.mean_nees_per_dimension, 1),
     );
     for m in &scores.missed {
-        println!("missed: {} {}", m.true_id, m.true_label);
+        say!("missed: {} {}", m.true_id, m.true_label);
     }
     for f in &scores.false_objects {
         let why = f.duplicate_of.map(|id| format!(", a duplicate of {id}")).unwrap_or_default();
-        println!("false:  {} {}{why}", f.id, f.label);
+        say!("false:  {} {}{why}", f.id, f.label);
     }
-    print!("{}", summary(scores));
+    say!("{}", summary(scores).trim_end());
     if let Some(trajectory) = &evaluation.trajectory {
         print_trajectory(trajectory);
     }
@@ -137,9 +146,9 @@ fn summary(scores: &ObjectScores) -> String {
 }
 
 fn print_trajectory(scores: &TrajectoryScores) {
-    println!("trajectory of {} poses      rmse     mean   median      max", scores.poses);
+    say!("trajectory of {} poses      rmse     mean   median      max", scores.poses);
     let line = |name: &str, s: &Statistics| {
-        println!("{name:<24} {:>8.4} {:>8.4} {:>8.4} {:>8.4}", s.rmse, s.mean, s.median, s.max);
+        say!("{name:<24} {:>8.4} {:>8.4} {:>8.4} {:>8.4}", s.rmse, s.mean, s.median, s.max);
     };
     line("ATE [m]", &scores.ate_m);
     line("ATE, aligned [m]", &scores.aligned_ate_m);

@@ -75,7 +75,7 @@ pub(super) fn run(args: &Args) -> Outcome {
     }
     let boxes: usize =
         folder.frames.iter().filter_map(|f| Some(f.detections.as_ref()?.len())).sum();
-    println!(
+    say!(
         "{}: {} RGB-D frames, {boxes} boxes, {} poses",
         args.output.display(),
         folder.frames.len(),

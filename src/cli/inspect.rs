@@ -25,9 +25,9 @@ pub(super) fn run(args: &Args) -> Outcome {
     let settings = load_settings(args.config.as_deref())?;
     let report = inspect(&args.bag, &args.remaps, settings.sync.slop_s)?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
+        say!("{}", serde_json::to_string_pretty(&report)?);
     } else {
-        println!("{report}");
+        say!("{report}");
     }
     Ok(())
 }

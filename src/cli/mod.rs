@@ -1,5 +1,13 @@
 //! The command line, a file a subcommand.
 
+/// Prints a line. A reader that has seen enough and gone away is no reason to stop: `println!` would panic.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
+
 mod config;
 mod demo;
 mod eval;

@@ -68,7 +68,7 @@ pub(super) fn run(args: &Args) -> Outcome {
     check_overwrite(&folder, args.force)?;
     let summary = replay(args, &folder)?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&summary)?);
+        say!("{}", serde_json::to_string_pretty(&summary)?);
     } else {
         print_summary(&summary, &folder);
     }
@@ -208,7 +208,7 @@ fn print_summary(summary: &Summary, folder: &Path) {
     for warning in &summary.warnings {
         eprintln!("warning: {warning}");
     }
-    println!(
+    say!(
         "{} objects from {} keyframes of {} RGB-D frames ({} of {} boxes gave an ellipsoid)",
         summary.objects,
         summary.keyframes,
@@ -217,7 +217,7 @@ fn print_summary(summary: &Summary, folder: &Path) {
         summary.boxes,
     );
     if let Some(time) = summary.keyframe_time {
-        println!(
+        say!(
             "a keyframe took {:.1} ms on average (median {:.1}, p99 {:.1}); {:.1} s in all; {:.0} MB of memory at the peak",
             time.mean_ms,
             time.median_ms,
@@ -226,5 +226,5 @@ fn print_summary(summary: &Summary, folder: &Path) {
             summary.peak_memory_mb.unwrap_or(f64::NAN),
         );
     }
-    println!("results are in {}", folder.display());
+    say!("results are in {}", folder.display());
 }

@@ -78,7 +78,7 @@ pub(super) fn run(args: &Args) -> Outcome {
     let yaml = simulate_settings::to_yaml(&settings)?;
     let simulation = Simulation::new(settings).map_err(|e| Failure::Usage(e.to_string()))?;
     let Some(output) = args.output.as_ref().filter(|_| !args.print_settings) else {
-        print!("{yaml}");
+        say!("{}", yaml.trim_end());
         return Ok(());
     };
     let poses_path = output.with_extension("gt.tum");
@@ -91,7 +91,7 @@ pub(super) fn run(args: &Args) -> Outcome {
     let poses: Vec<_> = poses.map(|(i, pose)| (simulation.stamp(i), *pose)).collect();
     write_atomically(&poses_path, trajectory_text(&poses).as_bytes())
         .with_context(|| format!("cannot write {}", poses_path.display()))?;
-    println!(
+    say!(
         "{}: {} RGB-D frames, {} boxes; {} of {} objects were seen: {}",
         output.display(),
         simulation.frame_count(),

@@ -7,9 +7,8 @@ use nalgebra::Point3;
 /// Points fall into voxels of edge `gap_m`; voxels that touch, also by a corner, are one group. So points
 /// nearer than `gap_m` are always connected, and points farther apart than `2 √3 gap_m` never directly.
 pub(super) fn euclidean_clusters(points: &[Point3<f64>], gap_m: f64) -> Vec<Vec<usize>> {
-    let voxel = |p: &Point3<f64>| p.coords.map(|c| (c / gap_m).floor() as i64);
-    let mut by_voxel: Vec<([i64; 3], usize)> =
-        points.iter().enumerate().map(|(i, p)| (voxel(p).into(), i)).collect();
+    let mut by_voxel: Vec<(u64, usize)> =
+        points.iter().enumerate().map(|(i, p)| (voxel(p, gap_m), i)).collect();
     by_voxel.sort_unstable();
     let mut starts: Vec<usize> = Vec::new();
     for (i, (key, _)) in by_voxel.iter().enumerate() {
@@ -17,12 +16,12 @@ pub(super) fn euclidean_clusters(points: &[Point3<f64>], gap_m: f64) -> Vec<Vec<
             starts.push(i);
         }
     }
-    let keys: Vec<[i64; 3]> = starts.iter().map(|s| by_voxel[*s].0).collect();
+    let keys: Vec<u64> = starts.iter().map(|s| by_voxel[*s].0).collect();
     let mut parents: Vec<usize> = (0..keys.len()).collect();
+    let offsets: Vec<u64> = earlier_neighbours().map(step).collect();
     for (here, key) in keys.iter().enumerate() {
-        for offset in earlier_neighbours() {
-            let neighbour = [key[0] + offset[0], key[1] + offset[1], key[2] + offset[2]];
-            if let Ok(there) = keys.binary_search(&neighbour) {
+        for offset in &offsets {
+            if let Ok(there) = keys[..here].binary_search(&key.wrapping_sub(*offset)) {
                 let (a, b) = (root(&mut parents, here), root(&mut parents, there));
                 parents[a.max(b)] = a.min(b);
             }
@@ -39,6 +38,20 @@ pub(super) fn euclidean_clusters(points: &[Point3<f64>], gap_m: f64) -> Vec<Vec<
     clusters.sort_by(|a, b| b.len().cmp(&a.len()).then(a[0].cmp(&b[0])));
     clusters
 }
+
+/// The voxel of a point, in one number that sorts by x, y, z: 21 bits each, enough for kilometres of millimetres.
+fn voxel(p: &Point3<f64>, gap_m: f64) -> u64 {
+    let [x, y, z] = [p.x, p.y, p.z].map(|c| ((c / gap_m).floor() as i64 + MIDDLE) as u64);
+    (x << 42) + (y << 21) + z
+}
+
+/// What lies between a voxel and an earlier neighbour.
+fn step([x, y, z]: [i64; 3]) -> u64 {
+    -((x << 42) + (y << 21) + z) as u64
+}
+
+/// Coordinates are stored from here on, so that neighbours never cross zero.
+const MIDDLE: i64 = 1 << 20;
 
 /// The 13 of 26 neighbours that come earlier in lexicographic order.
 fn earlier_neighbours() -> impl Iterator<Item = [i64; 3]> {

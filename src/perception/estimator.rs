@@ -149,7 +149,9 @@ fn complete_by_symmetry(
         .filter_map(|axis| {
             let angle = faces.yaw + axis as f64 * std::f64::consts::FRAC_PI_2;
             let extent = faces.extent_m(axis);
-            refine_symmetry(frame, &segment.points, angle, faces.center_m(axis), extent)
+            let center = faces.center_m(axis);
+            let both_known = faces.faces[2 * axis..2 * axis + 2].iter().all(|f| f.side.is_known());
+            refine_symmetry(frame, &segment.points, angle, center, extent, both_known)
                 .map(|plane| (axis, plane))
         })
         .collect();

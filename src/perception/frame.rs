@@ -137,12 +137,10 @@ impl<'a> Frame<'a> {
     /// What the camera saw where a point in the level frame would be.
     pub fn look_at(&self, point_in_level: &Point3<f64>) -> Sight {
         let Some((depth, pixel)) = self.project(point_in_level) else { return Sight::Outside };
-        let (u, v) = (pixel.x.round(), pixel.y.round());
-        let inside = u >= 0.0
-            && v >= 0.0
-            && u < f64::from(self.depth.width())
-            && v < f64::from(self.depth.height());
-        if !inside {
+        let (width, height) = (f64::from(self.depth.width()), f64::from(self.depth.height()));
+        // Half a pixel further, cutting decimals off rounds; outside the image it need not.
+        let (u, v) = (pixel.x + 0.5, pixel.y + 0.5);
+        if !(u >= 0.0 && v >= 0.0 && u < width && v < height) {
             return Sight::Outside;
         }
         match self.depth.at(u as i32, v as i32) {

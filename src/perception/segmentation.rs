@@ -197,9 +197,15 @@ impl Crop {
         let gap = settings.cluster_gap_m + 2.0 * self.spacing_m(points) + 2.0 * sigma;
         let positions: Vec<Point3<f64>> = points.iter().map(|p| p.at).collect();
         let clusters = euclidean_clusters(&positions, gap);
-        let best = clusters.into_iter().max_by(|a, b| {
-            self.votes(points, a).total_cmp(&self.votes(points, b)).then(b[0].cmp(&a[0]))
-        })?;
+        // Of equal votes the larger cluster, which comes first, wins.
+        let mut best: Option<(f64, Vec<usize>)> = None;
+        for cluster in clusters {
+            let votes = self.votes(points, &cluster);
+            if best.as_ref().is_none_or(|(most, _)| votes > *most) {
+                best = Some((votes, cluster));
+            }
+        }
+        let (_, best) = best?;
         Some(best.into_iter().map(|i| points[i]).collect())
     }
 

@@ -48,20 +48,23 @@ impl Candidate {
 }
 
 /// Refines the mirror plane with its normal at `angle` (rad) and coordinate `offset_m` along it, for an object that
-/// extends `extent_m` along the normal. `None` without evidence.
+/// extends `extent_m` along the normal. `is_centered` says that both its ends were seen, so that the plane is known to be
+/// near the middle. `None` without evidence.
 pub(super) fn refine_symmetry(
     frame: &Frame<'_>,
     points: &[SurfacePoint],
     angle: f64,
     offset_m: f64,
     extent_m: f64,
+    is_centered: bool,
 ) -> Option<SymmetryPlane> {
     let every = points.len().div_ceil(MAX_SAMPLES).max(1);
     let samples: Vec<SurfacePoint> = points.iter().step_by(every).copied().collect();
     let judge = |c: &Candidate| score(frame, &samples, &c.plane(), 0.1 * extent_m);
     let mut best = Candidate { angle, offset: offset_m };
     let mut best_score = judge(&best);
-    for step in -4..=4 {
+    let search = if is_centered { 0 } else { 4 };
+    for step in -search..=search {
         let offset = offset_m + f64::from(step) * 0.08 * extent_m;
         keep_better(&mut best, &mut best_score, Candidate { angle, offset }, &judge);
     }
@@ -168,7 +171,7 @@ fn score(frame: &Frame<'_>, samples: &[SurfacePoint], plane: &Plane, min_distanc
     Score { agreement: agreement / n, evidence: judged / n }
 }
 
-const MAX_SAMPLES: usize = 220;
+const MAX_SAMPLES: usize = 160;
 /// Tolerance for surfaces that are not exactly symmetric (m).
 const SURFACE_SIGMA_M: f64 = 0.012;
 /// The local search turns the plane by at most this much (rad).
