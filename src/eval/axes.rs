@@ -9,7 +9,7 @@ pub(super) fn up_axis(body: &OrientedBox) -> usize {
     height.imax()
 }
 
-/// Half the longer and half the shorter side of the footprint [m].
+/// Half the longer and half the shorter side of the footprint (m).
 pub(super) fn footprint(body: &OrientedBox) -> (f64, f64) {
     let up = up_axis(body);
     let [a, b] = [(up + 1) % 3, (up + 2) % 3].map(|axis| body.half_extents[axis]);

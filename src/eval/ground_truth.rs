@@ -24,7 +24,7 @@ pub struct TrueObject {
     pub label: String,
     /// `frame_from_object`: the origin is the centre of the object's box.
     pub pose: Pose,
-    /// Full extents along the object's own axes [m].
+    /// Full extents along the object's own axes (m).
     pub size: Vector3<f64>,
     /// Frames that show it.
     pub observations: u64,

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 
-/// Centres farther apart than this do not belong to the same object [m].
+/// Centres farther apart than this do not belong to the same object (m).
 pub const MATCH_DISTANCE_M: f64 = 0.75;
 
 /// Pairs `(index in a, index in b)` of points within `max_distance_m`, in the order of `a`.

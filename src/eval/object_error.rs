@@ -11,9 +11,9 @@ pub const ROUND_FOOTPRINT: f64 = 0.1;
 /// The measures of one object.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ObjectError {
-    /// Distance between the centres [m].
+    /// Distance between the centres (m).
     pub translation_m: f64,
-    /// Angle between the main axes seen from above, between 0 and 90 [deg]; nothing for a round footprint.
+    /// Angle between the main axes seen from above, between 0 and 90 (deg); nothing for a round footprint.
     pub rotation_deg: Option<f64>,
     /// 1 - IoU of the boxes' axis-aligned boxes, both moved to the origin.
     pub shape: f64,
@@ -39,7 +39,7 @@ impl ObjectError {
     }
 }
 
-/// Angle between the longer sides of two footprints, modulo 180 degrees [deg]; nothing where the true footprint is
+/// Angle between the longer sides of two footprints, modulo 180 degrees (deg); nothing where the true footprint is
 /// round.
 pub fn rotation_error_deg(estimate: &OrientedBox, truth: &OrientedBox) -> Option<f64> {
     let (longer, shorter) = footprint(truth);

@@ -79,9 +79,9 @@ pub struct ObjectScores {
     pub duplicates: usize,
     /// Found objects whose class is right over all found ones.
     pub label_agreement: Option<f64>,
-    /// Mean distance between centres [m].
+    /// Mean distance between centres (m).
     pub translation_m: Option<f64>,
-    /// Mean angle between main axes [deg].
+    /// Mean angle between main axes (deg).
     pub rotation_deg: Option<f64>,
     /// Found objects without a main axis, which the mean angle leaves out.
     pub rotation_left_out: usize,
@@ -146,7 +146,7 @@ fn counts(object: &TrueObject) -> bool {
     object.observations >= MIN_OBSERVATIONS
 }
 
-/// Around a true box, the centre of an object that shows it once more may lie in this margin [m].
+/// Around a true box, the centre of an object that shows it once more may lie in this margin (m).
 const DUPLICATE_MARGIN_M: f64 = 0.1;
 
 /// The found object in whose box, grown by a margin, the centre of another one lies; the nearest of several.

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vect
 use serde::Serialize;
 use thiserror::Error;
 
-/// Poses with stamps farther apart than this do not belong together [s].
+/// Poses with stamps farther apart than this do not belong together (s).
 pub const MAX_STAMP_DISTANCE_S: f64 = 0.02;
 
 /// Statistics of an error over a trajectory.
@@ -26,13 +26,13 @@ pub struct Statistics {
 pub struct TrajectoryScores {
     /// Pairs of poses.
     pub poses: usize,
-    /// Distance between positions as they are [m].
+    /// Distance between positions as they are (m).
     pub ate_m: Statistics,
-    /// Distance between positions after the best rigid alignment [m].
+    /// Distance between positions after the best rigid alignment (m).
     pub aligned_ate_m: Statistics,
-    /// Distance between the steps from one pose to the next [m].
+    /// Distance between the steps from one pose to the next (m).
     pub rpe_m: Statistics,
-    /// Angle between the steps from one pose to the next [deg].
+    /// Angle between the steps from one pose to the next (deg).
     pub rpe_deg: Statistics,
 }
 

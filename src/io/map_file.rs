@@ -43,7 +43,7 @@ pub struct SavedObject {
     pub ellipsoid: Ellipsoid,
     /// What fills its extents.
     pub outline: Outline,
-    /// Height of the plane it stands on [m], if one was seen.
+    /// Height of the plane it stands on (m), if one was seen.
     pub support_height_m: Option<f64>,
     /// Positive definite, of `[rotation, translation, log semi-axes]`, a right perturbation in the object's frame.
     pub covariance: SMatrix<f64, 9, 9>,

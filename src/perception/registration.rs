@@ -38,5 +38,5 @@ pub fn register_depth(
         .unwrap_or_else(|_| unreachable!("one value was made for each pixel"))
 }
 
-/// Rounding must not open a gap between the squares of two readings [px].
+/// Rounding must not open a gap between the squares of two readings (px).
 const TOUCHING_PX: f64 = 1e-3;
