@@ -120,7 +120,13 @@ impl Sync {
                     self.transforms.insert(transform, is_static);
                 }
             }
-            Input::Detections(detections) => self.detections.push_back(detections),
+            Input::Detections(detections) => {
+                self.detections.push_back(detections);
+                // Boxes with stamps of another clock never find an image: they must not pile up over a day.
+                while self.detections.len() > self.settings.max_waiting {
+                    dropped.extend(self.detections.pop_front().map(|d| without_depth(&d)));
+                }
+            }
         }
     }
 

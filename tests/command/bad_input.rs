@@ -1,6 +1,6 @@
 //! What bad input gets: one sentence that names what is wrong and what to do, and nothing half-written.
 
-use crate::run::{Flaw, run, stderr, write_bag};
+use crate::run::{Flaw, replayed, run, stderr, write_bag};
 use std::{fs, path::Path};
 
 /// Replays and expects exit status 1, a sentence with all of `words`, and no output.
@@ -50,13 +50,7 @@ fn files_that_are_no_bags() {
 
 #[test]
 fn boxes_outside_the_image_are_refused_one_by_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let bag = folder.path().join("outside.mcap");
-    write_bag(&bag, Flaw::BoxesOutside);
-    let out = folder.path().join("out");
-    let output =
-        run(&["replay", bag.to_str().unwrap(), "--output", out.to_str().unwrap(), "--json"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    let (_folder, output, _) = replayed(Flaw::BoxesOutside);
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(summary["objects"], 0);
     assert_eq!(summary["skipped_messages"]["/detections"]["box_outside"], 6, "{summary:#}");

@@ -2,7 +2,7 @@
 //!
 //! Their packages are installed once into an environment under `target/`.
 
-use crate::run::{FRAMES, Flaw, run, stderr, write_bag};
+use crate::run::{FRAMES, Flaw, replayed, stderr};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -32,12 +32,7 @@ fn python() -> PathBuf {
 
 #[test]
 fn results_open_in_mcap_ros2_support_and_evo() {
-    let folder = tempfile::tempdir().unwrap();
-    let bag = folder.path().join("box.mcap");
-    write_bag(&bag, Flaw::None);
-    let out = folder.path().join("out");
-    let output = run(&["replay", bag.to_str().unwrap(), "--output", out.to_str().unwrap()]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    let (_folder, _, out) = replayed(Flaw::None);
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command/read_results.py");
     let read = Command::new(python()).arg(script).arg(&out).arg(FRAMES.to_string()).output();
     let read = read.unwrap();

@@ -1,17 +1,12 @@
 //! `replay`: what it finds and what it writes.
 
-use crate::run::{FRAMES, Flaw, run, stamp, stderr, truth, write_bag};
+use crate::run::{FRAMES, Flaw, replayed, run, stamp, stderr, truth, write_bag};
 use serde_json::Value;
 use std::fs;
 
 #[test]
 fn finds_the_box_where_it_stands() {
-    let folder = tempfile::tempdir().unwrap();
-    let bag = folder.path().join("box.mcap");
-    write_bag(&bag, Flaw::None);
-    let out = folder.path().join("out");
-    let output = run(&["replay", bag.to_str().unwrap(), "--output", out.to_str().unwrap()]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    let (_folder, _, out) = replayed(Flaw::None);
 
     let map: Value =
         serde_json::from_str(&fs::read_to_string(out.join("map.json")).unwrap()).unwrap();
@@ -41,17 +36,12 @@ fn finds_the_box_where_it_stands() {
 
 #[test]
 fn the_same_bag_gives_the_same_bytes() {
-    let folder = tempfile::tempdir().unwrap();
-    let bag = folder.path().join("box.mcap");
-    write_bag(&bag, Flaw::None);
-    let replayed = |name: &str| {
-        let out = folder.path().join(name);
-        let output = run(&["replay", bag.to_str().unwrap(), "--output", out.to_str().unwrap()]);
-        assert!(output.status.success(), "{}", stderr(&output));
+    let bytes = || {
+        let (_folder, _, out) = replayed(Flaw::None);
         ["map.json", "trajectory.tum", "trajectory_live.tum", "result.mcap"]
             .map(|file| fs::read(out.join(file)).unwrap())
     };
-    assert!(replayed("first") == replayed("second"), "two replays differ");
+    assert!(bytes() == bytes(), "two replays differ");
 }
 
 #[test]
@@ -72,12 +62,7 @@ fn an_earlier_result_is_kept_unless_forced() {
 
 #[test]
 fn a_single_bad_message_is_counted_and_the_rest_used() {
-    let folder = tempfile::tempdir().unwrap();
-    let bag = folder.path().join("box.mcap");
-    write_bag(&bag, Flaw::NanPose);
-    let out = folder.path().join("out");
-    let output = run(&["replay", bag.to_str().unwrap(), "--output", out.to_str().unwrap()]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    let (_folder, _, out) = replayed(Flaw::NanPose);
     let summary: Value =
         serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
     assert_eq!(summary["skipped_messages"]["/odom"]["bad_pose"], 1, "{summary:#}");

@@ -10,7 +10,7 @@ use ellipsoid_slam::{
 };
 use nalgebra::{Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::{
-    path::Path,
+    path::{Path, PathBuf},
     process::{Command, Output},
 };
 
@@ -24,6 +24,17 @@ pub(crate) fn run(args: &[&str]) -> Output {
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()
         .unwrap()
+}
+
+/// A bag with a flaw, replayed: what the program said, and the folder of its results, which disappears with the first.
+pub(crate) fn replayed(flaw: Flaw) -> (tempfile::TempDir, Output, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let (bag, out) = (folder.path().join("box.mcap"), folder.path().join("out"));
+    write_bag(&bag, flaw);
+    let output =
+        run(&["replay", bag.to_str().unwrap(), "--output", out.to_str().unwrap(), "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    (folder, output, out)
 }
 
 /// What was printed where errors go.
