@@ -135,8 +135,13 @@ impl Ellipsoid {
     /// The same upright body with its x and y axes renamed so that its heading differs from `reference_yaw`
     /// by at most 45 degrees. Liao et al. 2020 leave open that eq. (13) depends on how axes are named.
     pub fn relabelled_towards(&self, reference_yaw: f64) -> Self {
+        self.quarter_turned(self.quarters_towards(reference_yaw))
+    }
+
+    /// Quarter turns, for [`Ellipsoid::quarter_turned`], that bring the heading nearest to `reference_yaw` (rad).
+    pub fn quarters_towards(&self, reference_yaw: f64) -> i64 {
         let turn = (reference_yaw - super::yaw_of(&self.pose)) / std::f64::consts::FRAC_PI_2;
-        self.quarter_turned(turn.round() as i64)
+        turn.round() as i64
     }
 
     /// The same body with its axes renamed by `quarters` quarter turns about its own z axis.

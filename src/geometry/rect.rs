@@ -40,6 +40,11 @@ impl Rect {
         self.width() * self.height()
     }
 
+    /// Whether a pixel lies in it, its sides included.
+    pub fn contains(&self, x: f64, y: f64) -> bool {
+        x >= self.x_min && x <= self.x_max && y >= self.y_min && y <= self.y_max
+    }
+
     /// The part inside an image of `width` x `height` pixels, or nothing if there is none.
     pub fn clipped(&self, width: u32, height: u32) -> Option<Self> {
         let (right, bottom) = (f64::from(width) - 1.0, f64::from(height) - 1.0);

@@ -94,7 +94,7 @@ impl Estimate {
         covariance: &SMatrix<f64, 9, 9>,
         settings: &FusionSettings,
     ) {
-        let quarters = nearest_quarters(&self.ellipsoid, measured);
+        let quarters = measured.quarters_towards(yaw_of(&self.ellipsoid.pose));
         let renamed = upright(measured).quarter_turned(quarters);
         let innovation = difference(&self.ellipsoid, &renamed);
         let noise = turned(&linear_covariance(covariance, &measured.semi_axes), quarters);
@@ -128,21 +128,6 @@ impl Estimate {
             self.covariance[(i, i)] += missing.max(0.0);
         }
     }
-}
-
-/// Quarter turns that name the measurement's axes most like the estimate's: by heading where the footprint has
-/// one, by the sides' lengths alike.
-fn nearest_quarters(estimate: &Ellipsoid, measured: &Ellipsoid) -> i64 {
-    let relabelled = |q: i64| upright(measured).quarter_turned(q);
-    (0..4)
-        .min_by(|a, b| {
-            let cost = |q: i64| {
-                let d = difference(estimate, &relabelled(q));
-                d[0].abs()
-            };
-            cost(*a).total_cmp(&cost(*b))
-        })
-        .unwrap_or(0)
 }
 
 /// `measured - estimate` in the estimate's frame.

@@ -3,7 +3,7 @@
 //! A cabinet, a bed or a television touches the wall behind it: Euclidean clustering makes one thing of them. What goes
 //! on outside the detector's box, upright and flat, is that wall. The paper has no such step.
 
-use super::segmentation::SurfacePoint;
+use super::{bounds::Bounds, segmentation::SurfacePoint};
 use crate::geometry::{Plane, Rect};
 use nalgebra::{Point3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -11,16 +11,10 @@ use rand_chacha::ChaCha8Rng;
 
 /// Takes the points on and behind the wall that shows round `rect` out of `points`, or nothing if no wall shows there.
 pub(super) fn without_wall(points: &[SurfacePoint], rect: &Rect) -> Option<Vec<SurfacePoint>> {
-    let ring: Vec<&SurfacePoint> = points.iter().filter(|p| is_outside(p, rect)).collect();
+    let ring: Vec<&SurfacePoint> = points.iter().filter(|p| !p.is_in(rect)).collect();
     let wall = wall_through(&ring)?;
     let kept = points.iter().filter(|p| wall.signed_distance(&p.at) > tolerance_m(p, &wall));
     Some(kept.copied().collect())
-}
-
-/// Whether a point's pixel lies outside a box.
-pub(super) fn is_outside(p: &SurfacePoint, rect: &Rect) -> bool {
-    let (u, v) = (f64::from(p.u), f64::from(p.v));
-    u < rect.x_min || u > rect.x_max || v < rect.y_min || v > rect.y_max
 }
 
 /// The upright plane with most of the points, its normal towards the camera (RANSAC).
@@ -46,11 +40,8 @@ fn wall_through(points: &[&SurfacePoint]) -> Option<Plane> {
 
 /// Diagonal of the box round the points on a plane (m).
 fn span_m(points: &[&SurfacePoint], plane: &Plane) -> f64 {
-    let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
-    for p in points.iter().filter(|p| plane.signed_distance(&p.at).abs() < tolerance_m(p, plane)) {
-        (low, high) = (low.inf(&p.at.coords), high.sup(&p.at.coords));
-    }
-    (high - low).norm()
+    let near = points.iter().filter(|p| plane.signed_distance(&p.at).abs() < tolerance_m(p, plane));
+    Bounds::of(near.map(|p| p.at)).diagonal_m()
 }
 
 /// The upright plane through two points, its normal towards the camera, which is the origin.
@@ -62,8 +53,7 @@ fn upright_plane(a: &Point3<f64>, b: &Point3<f64>) -> Option<Plane> {
 }
 
 fn tolerance_m(p: &SurfacePoint, plane: &Plane) -> f64 {
-    let along = plane.normal.dot(&p.at.coords).abs() / p.at.coords.norm().max(1e-6);
-    WALL_M + 3.0 * p.sigma_m * along
+    WALL_M + 3.0 * p.noise_along_m(&plane.normal)
 }
 
 const MIN_POINTS: usize = 20;

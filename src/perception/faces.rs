@@ -181,7 +181,7 @@ fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>
     let last = outermost(&mut coordinates, extent);
     let mut rim: Vec<&SurfacePoint> =
         segment.points.iter().filter(|p| p.at.coords.dot(outward) > last - RIM_M).collect();
-    let sigma = rim.iter().map(|p| noise_along(p, outward)).sum::<f64>() / rim.len() as f64;
+    let sigma = rim.iter().map(|p| p.noise_along_m(outward)).sum::<f64>() / rim.len() as f64;
     // A face turned to the camera is a cloud of its own around the true position; the end of a face seen from the
     // side is, on average, half a sample beyond the last of its points.
     let width = 5.0 * sigma + 0.004;
@@ -268,10 +268,7 @@ fn what_lies_beyond(
 }
 
 fn is_outside_box(frame: &Frame<'_>, segment: &Segment<'_>, point: &Point3<f64>) -> bool {
-    let rect = &segment.rect;
-    frame.project(point).is_some_and(|(_, pixel)| {
-        pixel.x < rect.x_min || pixel.x > rect.x_max || pixel.y < rect.y_min || pixel.y > rect.y_max
-    })
+    frame.project(point).is_some_and(|(_, pixel)| !segment.rect.contains(pixel.x, pixel.y))
 }
 
 /// The class's usual extents along the object's axes; the longer horizontal one goes with the axis that has
@@ -313,11 +310,6 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
         // It stands on something that is not a plane of its own, or hangs.
         _ => lowest,
     }
-}
-
-/// Noise of a reading along a direction (m).
-fn noise_along(p: &SurfacePoint, direction: &Vector3<f64>) -> f64 {
-    p.sigma_m * direction.dot(&p.at.coords).abs() / p.at.coords.norm().max(1e-6)
 }
 
 /// Points are sparse where there are fewer than this share of what there would be if they were spread evenly.

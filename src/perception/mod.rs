@@ -3,6 +3,7 @@
 //! Liao et al. 2020, section IV. [`estimate_object`] is the page that reads like the paper.
 
 mod background;
+mod bounds;
 mod classes;
 mod clustering;
 mod depth;
@@ -13,6 +14,7 @@ mod fit;
 mod footprint;
 mod frame;
 mod measurement;
+mod normal;
 mod registration;
 mod segmentation;
 mod stage;

@@ -3,10 +3,8 @@
 //! Liao et al. 2020, section IV-A, steps 1 to 4.
 
 use super::{
-    ClassPrior, Frame, Refused,
-    background::{is_outside, without_wall},
-    clustering::euclidean_clusters,
-    support::{SupportPlane, local_normal},
+    ClassPrior, Frame, Refused, background::without_wall, bounds::Bounds,
+    clustering::euclidean_clusters, normal::local_normal, support::SupportPlane,
 };
 use crate::geometry::Rect;
 use nalgebra::{Point3, Unit, Vector3};
@@ -59,6 +57,18 @@ pub(super) struct SurfacePoint {
     /// Standard deviation of the reading along the viewing ray (m).
     pub(super) sigma_m: f64,
     pub(super) normal: Option<Unit<Vector3<f64>>>,
+}
+
+impl SurfacePoint {
+    /// Standard deviation of the point's position along a direction (m): noise acts along the viewing ray.
+    pub(super) fn noise_along_m(&self, direction: &Vector3<f64>) -> f64 {
+        self.sigma_m * direction.dot(&self.at.coords).abs() / self.at.coords.norm().max(1e-6)
+    }
+
+    /// Whether its pixel lies in a box of the image.
+    pub(super) fn is_in(&self, rect: &Rect) -> bool {
+        rect.contains(f64::from(self.u), f64::from(self.v))
+    }
 }
 
 /// An object's points and what they stand on.
@@ -210,7 +220,7 @@ impl Crop {
     }
 
     fn share_outside(&self, points: &[SurfacePoint]) -> f64 {
-        points.iter().filter(|p| is_outside(p, &self.rect)).count() as f64 / points.len() as f64
+        points.iter().filter(|p| !p.is_in(&self.rect)).count() as f64 / points.len() as f64
     }
 
     /// Intersection over union of the box and the rectangle around the points.
@@ -281,7 +291,7 @@ fn is_part_of_object(plane: &SupportPlane, crop: &Crop) -> bool {
     }
     // A keyboard's top is a plane 3 cm above the next one.
     let is_below = |p: &&SurfacePoint| {
-        plane.height_of(&p.at) < -(OWN_PLANE_STEP_M + 3.0 * p.sigma_m * grazing(plane, p))
+        plane.height_of(&p.at) < -(OWN_PLANE_STEP_M + 3.0 * p.noise_along_m(&plane.plane.normal))
     };
     10 * crop.points.iter().filter(is_below).count() > crop.points.len()
 }
@@ -292,12 +302,7 @@ const OWN_PLANE_STEP_M: f64 = 0.01;
 
 /// How near to a plane a point counts as part of it (m).
 fn margin_m(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationSettings) -> f64 {
-    settings.support_margin_m + 2.0 * plane.rms_m + 2.5 * point.sigma_m * grazing(plane, point)
-}
-
-/// The share of a reading's noise, which acts along the viewing ray, that is across the plane.
-fn grazing(plane: &SupportPlane, point: &SurfacePoint) -> f64 {
-    plane.plane.normal.dot(&point.at.coords).abs() / point.at.coords.norm().max(1e-6)
+    settings.support_margin_m + 2.0 * plane.rms_m + 2.5 * point.noise_along_m(&plane.plane.normal)
 }
 
 /// Whether a point belongs to a plane: near it, and where the plane was seen.
@@ -339,14 +344,8 @@ fn nothing_underneath(plane: &SupportPlane, cluster: &[SurfacePoint]) -> bool {
 }
 
 fn is_next_to(plane: &SupportPlane, cluster: &[SurfacePoint]) -> bool {
-    let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
-    for p in cluster {
-        (low, high) = (low.inf(&p.at.coords), high.sup(&p.at.coords));
-    }
-    plane.inliers.iter().any(|p| {
-        let outside = (low - p.at.coords).sup(&(p.at.coords - high)).sup(&Vector3::zeros());
-        outside.xy().norm() < NEXT_TO_M
-    })
+    let bounds = Bounds::of(cluster.iter().map(|p| p.at));
+    plane.inliers.iter().any(|p| bounds.distance_on_ground_m(&p.at) < NEXT_TO_M)
 }
 
 /// Points this far below a plane are not on it (m).

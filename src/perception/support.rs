@@ -3,7 +3,7 @@
 //! Liao et al. 2020, section IV-A, after Zhang et al. 2019: RANSAC with a gravity prior. Several planes at several
 //! heights are kept: floor, table tops, shelves.
 
-use super::Frame;
+use super::{Frame, bounds::Bounds};
 use crate::geometry::Plane;
 use nalgebra::{Cholesky, Matrix3, Point3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -126,8 +126,9 @@ fn is_near(point: &GridPoint, plane: &Plane, sigmas: f64, settings: &SupportSett
 /// Inliers lie this near to their plane (standard deviations).
 const INLIER_SIGMAS: f64 = 3.0;
 
-/// Sampled points whose local surface is roughly horizontal, in the order of the image's rows, at most one in each cell of `stride_px`: a table top at
-/// eye level gives few readings, and none must be missed because its neighbour was sampled.
+/// Sampled points whose local surface is roughly horizontal, in the order of the image's rows, at most one in each cell
+/// of `stride_px`: a table top at eye level gives few readings, and none must be missed because its neighbour was
+/// sampled.
 fn horizontal_points(frame: &Frame<'_>, settings: &SupportSettings) -> Vec<GridPoint> {
     let (width, height) = (frame.depth().width() as i32, frame.depth().height() as i32);
     let stride = settings.stride_px.max(1) as i32;
@@ -212,44 +213,6 @@ const MIN_BELOW_EYE_M: f64 = 0.02;
 /// Tried in this order.
 const STEPS_PX: [i32; 10] = [1, 2, 3, 4, 5, 6, 8, 12, 16, 24];
 
-/// Normal of the surface at a pixel from its neighbours `step` pixels away, pointing to the camera's side.
-pub(super) fn local_normal(
-    frame: &Frame<'_>,
-    u: i32,
-    v: i32,
-    step: i32,
-) -> Option<Unit<Vector3<f64>>> {
-    let right = frame.point_in_level(u + step, v)?;
-    let left = frame.point_in_level(u - step, v)?;
-    let below = frame.point_in_level(u, v + step)?;
-    let above = frame.point_in_level(u, v - step)?;
-    let here = frame.point_in_level(u, v)?;
-    normal_of_cross(here, [right, left, below, above])
-}
-
-/// Normal at a point from its neighbours right, left, below and above, unless there is an edge between them.
-fn normal_of_cross(
-    here: Point3<f64>,
-    [right, left, below, above]: [Point3<f64>; 4],
-) -> Option<Unit<Vector3<f64>>> {
-    let bent = |a: &Point3<f64>, b: &Point3<f64>| {
-        let (to_a, to_b) = (a - here, b - here);
-        let (near, far) = (to_a.norm().min(to_b.norm()), to_a.norm().max(to_b.norm()));
-        let off_line = to_a.cross(&to_b).norm() / (a - b).norm().max(1e-9);
-        far > MAX_UNEVEN * near || off_line > MAX_BEND * near || to_a.dot(&to_b) > 0.0
-    };
-    if bent(&right, &left) || bent(&below, &above) {
-        return None;
-    }
-    let normal = Unit::try_new((below - above).cross(&(right - left)), 1e-9)?;
-    Some(if normal.dot(&here.coords) > 0.0 { -normal } else { normal })
-}
-
-/// How much farther one neighbour may be than the opposite one.
-const MAX_UNEVEN: f64 = 4.0;
-/// How far a point may lie off the line between its neighbours, in distances of the nearer one.
-const MAX_BEND: f64 = 0.5;
-
 /// The hypothesis with most inliers: planes through three points, and level planes through one.
 fn best_hypothesis(
     candidates: &[GridPoint],
@@ -329,16 +292,10 @@ fn least_squares_plane(
 /// Whether most of the points lie a few centimetres beside a plane that is already known, within its reach: a bent depth
 /// image makes one floor look like two, and the top of a keyboard is no support.
 fn repeats(planes: &[SupportPlane], inliers: &[GridPoint]) -> bool {
-    let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
-    for p in inliers {
-        (low, high) = (low.inf(&p.at.coords), high.sup(&p.at.coords));
-    }
+    let bounds = Bounds::of(inliers.iter().map(|p| p.at));
     planes.iter().any(|known| {
         let near = inliers.iter().filter(|p| known.height_of(&p.at).abs() < SAME_PLANE_M).count();
-        let beside = known.inliers.iter().filter(|p| {
-            let outside = (low - p.at.coords).sup(&(p.at.coords - high)).sup(&Vector3::zeros());
-            outside.xy().norm() < BESIDE_M
-        });
+        let beside = known.inliers.iter().filter(|p| bounds.distance_on_ground_m(&p.at) < BESIDE_M);
         2 * near > inliers.len() && beside.count() >= MIN_BESIDE
     })
 }
