@@ -8,6 +8,8 @@ pub mod geometry;
 
 pub mod perception;
 
+pub mod graph;
+
 pub mod mapping;
 
 pub mod pipeline;

@@ -20,5 +20,8 @@ pub use ellipsoid::{Ellipsoid, EllipsoidError};
 pub use outline::Outline;
 pub use overlap::{OrientedBox, intersection_over_union, intersection_volume};
 pub use plane::Plane;
-pub use pose::{Pose, exp, interpolate, local, log, pose_from_xyzw, retract, skew, yaw_of};
+pub use pose::{
+    Pose, adjoint, exp, interpolate, local, log, log_derivative, pose_from_xyzw, retract,
+    rotation_log_derivative, skew, yaw_of,
+};
 pub use rect::Rect;

@@ -1,0 +1,136 @@
+//! What is estimated: poses and ellipsoids, and the handles by which factors name them.
+
+use crate::geometry::{self, Ellipsoid, Pose};
+use nalgebra::{DVector, SVector, Vector6};
+
+/// Handle of a variable in a graph: an index that is never reused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct VariableId(pub(super) u32);
+
+impl VariableId {
+    /// Its place in the order in which variables were added.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// Handle of a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PoseId(VariableId);
+
+/// Handle of an ellipsoid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct EllipsoidId(VariableId);
+
+impl From<PoseId> for VariableId {
+    fn from(id: PoseId) -> Self {
+        id.0
+    }
+}
+
+impl From<EllipsoidId> for VariableId {
+    fn from(id: EllipsoidId) -> Self {
+        id.0
+    }
+}
+
+/// Gives out handles, each once. Handles of a kind come from nowhere else, so that no factor is tied to a variable of
+/// the wrong kind.
+#[derive(Clone, Debug, Default)]
+pub struct VariableIds {
+    next: u32,
+}
+
+impl VariableIds {
+    /// A handle for a new pose.
+    pub fn next_pose(&mut self) -> PoseId {
+        PoseId(self.next())
+    }
+
+    /// A handle for a new ellipsoid.
+    pub fn next_ellipsoid(&mut self) -> EllipsoidId {
+        EllipsoidId(self.next())
+    }
+
+    fn next(&mut self) -> VariableId {
+        let id = VariableId(self.next);
+        self.next += 1;
+        id
+    }
+}
+
+/// The value of a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Variable {
+    /// `map_from_base` of a keyframe. Tangent: `[rotation, translation]`.
+    Pose(Pose),
+    /// An object in the map. Tangent: `[rotation, translation, log semi-axes]`.
+    Ellipsoid(Ellipsoid),
+}
+
+impl Variable {
+    /// Size of its tangent space: 6 or 9.
+    pub fn dimension(&self) -> usize {
+        match self {
+            Self::Pose(_) => 6,
+            Self::Ellipsoid(_) => 9,
+        }
+    }
+
+    /// `self ⊞ delta`.
+    ///
+    /// # Panics
+    /// When `delta` has another length than [`Variable::dimension`].
+    pub fn retract(&self, delta: &[f64]) -> Self {
+        assert_eq!(delta.len(), self.dimension(), "a step in another tangent space");
+        match self {
+            Self::Pose(pose) => {
+                Self::Pose(geometry::retract(pose, &Vector6::from_column_slice(delta)))
+            }
+            Self::Ellipsoid(e) => {
+                Self::Ellipsoid(e.retract(&SVector::<f64, 9>::from_column_slice(delta)))
+            }
+        }
+    }
+
+    /// `other ⊟ self`: the `delta` for which `self.retract(delta)` is `other`.
+    ///
+    /// # Panics
+    /// When the other is of another kind.
+    pub fn local(&self, other: &Self) -> DVector<f64> {
+        match (self, other) {
+            (Self::Pose(from), Self::Pose(to)) => {
+                DVector::from_column_slice(geometry::local(from, to).as_slice())
+            }
+            (Self::Ellipsoid(from), Self::Ellipsoid(to)) => {
+                DVector::from_column_slice(from.local(to).as_slice())
+            }
+            _ => unreachable!("{self:?} and {other:?} are of different kinds"),
+        }
+    }
+
+    /// The pose of either kind.
+    pub fn pose(&self) -> &Pose {
+        match self {
+            Self::Pose(pose) => pose,
+            Self::Ellipsoid(ellipsoid) => &ellipsoid.pose,
+        }
+    }
+
+    /// The ellipsoid, if it is one.
+    pub fn ellipsoid(&self) -> Option<&Ellipsoid> {
+        match self {
+            Self::Pose(_) => None,
+            Self::Ellipsoid(ellipsoid) => Some(ellipsoid),
+        }
+    }
+
+    /// The ellipsoid behind an [`EllipsoidId`].
+    pub(super) fn known_ellipsoid(&self) -> &Ellipsoid {
+        match self {
+            // An `EllipsoidId` names an ellipsoid: only `VariableIds` makes them.
+            Self::Pose(pose) => unreachable!("an ellipsoid's handle led to the pose {pose:?}"),
+            Self::Ellipsoid(ellipsoid) => ellipsoid,
+        }
+    }
+}
