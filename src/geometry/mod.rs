@@ -14,10 +14,11 @@ mod overlap;
 mod plane;
 mod pose;
 mod rect;
+mod silhouette;
 
 pub use camera::{Camera, CameraError, Distortion};
 pub use ellipsoid::{Ellipsoid, EllipsoidError};
-pub use outline::Outline;
+pub use outline::{Outline, Support};
 pub use overlap::{OrientedBox, intersection_over_union, intersection_volume};
 pub use plane::Plane;
 pub use pose::{
@@ -25,3 +26,4 @@ pub use pose::{
     rotation_log_derivative, skew, yaw_of,
 };
 pub use rect::Rect;
+pub use silhouette::{ImageSide, NEAR_M, Silhouette, Tangent};

@@ -39,3 +39,72 @@ impl Outline {
         }
     }
 }
+
+/// Where a convex body ends in a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Support {
+    /// The support function: the largest `direction · x` of all points `x` of the body.
+    pub reach: f64,
+    /// A point of the body that reaches it, in the body's own frame (m). Where a whole edge or face does, its middle.
+    pub contact: Vector3<f64>,
+}
+
+impl Outline {
+    /// How far the body reaches from its centre along `direction`, which is in its own frame and of any length.
+    ///
+    /// The support function of a superquadric is the dual of the norm in [`Outline::radius`]: its exponents `2/e` become
+    /// `2/(2-e)`. So it is a sum for a cuboid and a Euclidean norm for an ellipsoid. The derivative by the direction is
+    /// `contact`, the derivative by the logarithm of a semi-axis is the direction times `contact` along that axis.
+    pub fn support(self, direction: &Vector3<f64>, semi_axes: &Vector3<f64>) -> Support {
+        let scaled = direction.component_mul(semi_axes);
+        let (reach, slopes) = self.dual_norm(&scaled);
+        Support { reach, contact: slopes.component_mul(semi_axes) }
+    }
+
+    /// The dual norm of a vector and its derivative.
+    fn dual_norm(self, v: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let tie = TIE * v.amax();
+        match self {
+            Self::Ellipsoid => {
+                let norm = v.norm();
+                (norm, if norm > 0.0 { v / norm } else { Vector3::zeros() })
+            }
+            Self::Cuboid => {
+                (v.x.abs() + v.y.abs() + v.z.abs(), v.map(|component| sign(component, tie)))
+            }
+            Self::Cylinder => {
+                let (radius, [x, y]) = power_norm(v.x, v.y, 2.0);
+                let footprint = sign(radius, tie);
+                (radius + v.z.abs(), Vector3::new(footprint * x, footprint * y, sign(v.z, tie)))
+            }
+            Self::Superquadric(e1, e2) => {
+                let (radius, [x, y]) = power_norm(v.x, v.y, 2.0 / (2.0 - e2));
+                let (norm, [footprint, z]) = power_norm(radius, v.z, 2.0 / (2.0 - e1));
+                (norm, Vector3::new(footprint * x, footprint * y, z))
+            }
+        }
+    }
+}
+
+/// `(|a|^p + |b|^p)^(1/p)` and its derivative, for `p` greater than 1.
+fn power_norm(a: f64, b: f64, p: f64) -> (f64, [f64; 2]) {
+    if p == 2.0 {
+        let norm = a.hypot(b);
+        return (norm, if norm > 0.0 { [a / norm, b / norm] } else { [0.0; 2] });
+    }
+    let largest = a.abs().max(b.abs());
+    if largest == 0.0 {
+        return (0.0, [0.0; 2]);
+    }
+    let norm = largest * ((a.abs() / largest).powf(p) + (b.abs() / largest).powf(p)).powf(1.0 / p);
+    let slope = |c: f64| (c.abs() / norm).powf(p - 1.0) * c.signum();
+    (norm, [slope(a), slope(b)])
+}
+
+/// The sign, or 0 where only rounding gives one: then a whole edge or face reaches equally far.
+fn sign(value: f64, tie: f64) -> f64 {
+    if value.abs() <= tie { 0.0 } else { value.signum() }
+}
+
+/// Share of the largest component that is rounding.
+const TIE: f64 = 1e-9;

@@ -6,10 +6,15 @@ mod factor;
 mod factors;
 mod kernel;
 mod noise;
+mod odometry_noise;
 mod variable;
 
 pub use factor::{Factor, Linearization};
-pub use factors::{EllipsoidPrior, PosePrior, RelativePose};
+pub use factors::{
+    BoxError, BoxObservation, BoxSide, EllipsoidObservation, EllipsoidPrior, PosePrior,
+    RelativePose, SupportContact, Upright,
+};
 pub use kernel::Kernel;
 pub use noise::{Noise, NoiseError};
+pub use odometry_noise::{MotionModel, NotOdometry, StepSource, step_covariance};
 pub use variable::{EllipsoidId, PoseId, Variable, VariableId, VariableIds};

@@ -77,10 +77,7 @@ impl<const N: usize> Noise<N> {
     pub fn from_sigmas(sigmas: [f64; N]) -> Result<Self, NoiseError> {
         let mut square_root = SMatrix::zeros();
         for (index, value) in sigmas.into_iter().enumerate() {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(NoiseError::Sigma { index, value });
-            }
-            square_root[(index, index)] = 1.0 / value;
+            square_root[(index, index)] = NoiseError::inverse_of_sigma(index, value)?;
         }
         Ok(Self { square_root })
     }
@@ -104,6 +101,14 @@ impl<const N: usize> Noise<N> {
     /// A residual or the columns of its derivative in units of standard deviations.
     pub fn whiten<const C: usize>(&self, columns: &SMatrix<f64, N, C>) -> SMatrix<f64, N, C> {
         self.square_root * columns
+    }
+}
+
+impl NoiseError {
+    /// `1 / value`, if `value` is a standard deviation.
+    pub(super) fn inverse_of_sigma(index: usize, value: f64) -> Result<f64, Self> {
+        let is_sigma = value.is_finite() && value > 0.0;
+        if is_sigma { Ok(1.0 / value) } else { Err(Self::Sigma { index, value }) }
     }
 }
 

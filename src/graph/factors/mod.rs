@@ -1,7 +1,15 @@
 //! The terms of the cost, a file each.
 
+mod box_observation;
+mod ellipsoid_observation;
 mod prior;
 mod relative_pose;
+mod support_contact;
+mod upright;
 
+pub use box_observation::{BoxError, BoxObservation, BoxSide};
+pub use ellipsoid_observation::EllipsoidObservation;
 pub use prior::{EllipsoidPrior, PosePrior};
 pub use relative_pose::RelativePose;
+pub use support_contact::SupportContact;
+pub use upright::Upright;

@@ -55,7 +55,7 @@ impl Factor for PosePrior {
 /// An ellipsoid is near `prior`: `r = W (x ⊟ prior)`.
 ///
 /// It holds on to the names of the prior's axes: use it where the prior is an estimate of the same variable. For what
-/// a camera sees, `EllipsoidObservation` does not depend on them.
+/// a camera sees, [`EllipsoidObservation`](crate::graph::EllipsoidObservation) does not depend on them.
 #[derive(Clone, Debug)]
 pub struct EllipsoidPrior {
     variables: [VariableId; 1],
