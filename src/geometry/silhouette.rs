@@ -3,7 +3,7 @@
 use super::{Ellipsoid, Outline};
 use nalgebra::{Matrix3, Vector3};
 
-/// Only what is at least this far before the camera (m) has an image.
+/// What touches the side of an image box is at least this far before the camera (m).
 pub const NEAR_M: f64 = 0.05;
 
 /// A side of an upright box in an image.
@@ -51,9 +51,9 @@ pub struct Tangent {
 /// `(1, 0, -u)`: an equation that is convex in `u` and whose derivative is the depth of the contact. For an ellipsoid its
 /// solution is that of `C* = P Q* P^T` (Liao et al. 2020, eq. (3)), for a cuboid the outermost corner.
 ///
-/// The body is cut at the plane `z =` [`NEAR_M`], as in computer graphics, so that a body that reaches behind the camera
-/// has finite sides which move continuously with it. Of a body that lies behind that plane altogether nothing is left;
-/// its sides are then continued linearly, inside out, farther the farther back it is.
+/// A body that reaches behind the camera ends nowhere on some sides, or nearer than [`NEAR_M`]. There a value takes the
+/// place of the tangent that is linear in the body's motion, as large as that side can be and larger the farther back the
+/// body reaches: a step that takes the camera into a body costs much, and derivatives are bounded and lead out.
 #[derive(Clone, Copy, Debug)]
 pub struct Silhouette {
     outline: Outline,
@@ -123,57 +123,25 @@ impl Edge<'_> {
     }
 
     fn touch(&self, guess: f64) -> Tangent {
-        match self.newton(guess) {
-            Ok(tangent) => tangent,
-            Err(too_far) => self.clipped(too_far),
-        }
+        let found = self.newton(guess).or_else(|| self.newton(INNERMOST));
+        found.unwrap_or_else(|| self.tangent(&self.probe(OUTERMOST), NEAR_M))
     }
 
-    /// Newton's method: the gap is convex, so that it comes to the solution from the inside and never passes it twice.
-    /// If it gets to where the contact is nearer than the near plane, it says where that was.
-    fn newton(&self, guess: f64) -> Result<Tangent, Probe> {
-        let mut probe = self.probe(guess.max(INNERMOST));
-        for _ in 0..MAX_NEWTON_STEPS {
+    /// Newton's method: the gap is convex, so that after one step it comes to the solution from the inside. It ends where
+    /// the contact is too near, which it stays farther out.
+    fn newton(&self, guess: f64) -> Option<Tangent> {
+        let mut probe = self.probe(guess);
+        for _ in 0..MAX_STEPS {
             if probe.depth < NEAR_M {
-                return Err(probe);
+                return None;
             }
             let step = probe.gap / probe.depth;
-            let is_beyond = probe.m <= INNERMOST && step <= 0.0;
-            if is_beyond || step.abs() < TOLERANCE * (1.0 + probe.m.abs()) {
+            if step.abs() < TOLERANCE * (1.0 + probe.m.abs()) {
                 break;
             }
-            probe = self.probe((probe.m + step).max(INNERMOST));
+            probe = self.probe(probe.m + step);
         }
-        Ok(self.tangent(&probe, probe.depth.max(NEAR_M)))
-    }
-
-    /// The end of what lies before the near plane, when the plane at `too_far` touches what lies behind it.
-    ///
-    /// Up to some `m` the contact is before the near plane, and from there on it is the rim where the body is cut. There the
-    /// gap falls with the slope `NEAR_M`.
-    fn clipped(&self, too_far: Probe) -> Tangent {
-        let (mut before, mut behind) = (self.probe(INNERMOST), too_far);
-        if before.depth < NEAR_M || before.gap <= 0.0 {
-            return self.tangent(&before, before.depth.max(NEAR_M));
-        }
-        for _ in 0..MAX_HALVINGS {
-            let middle = self.probe(0.5 * (before.m + behind.m));
-            if middle.depth < NEAR_M {
-                behind = middle;
-            } else {
-                before = middle;
-            }
-        }
-        if before.gap <= 0.0 {
-            return match self.newton(before.m) {
-                Ok(tangent) => tangent,
-                Err(probe) => self.tangent(&probe, NEAR_M),
-            };
-        }
-        // On a cuboid, the contact jumps from corner to corner: the edge between them goes through the near plane.
-        let share = (before.depth - NEAR_M) / (before.depth - behind.depth);
-        before.contact += (behind.contact - before.contact) * share;
-        self.tangent(&before, NEAR_M)
+        Some(self.tangent(&probe, probe.depth))
     }
 
     /// The tangent where the gap, followed with this slope from the probe, is zero.
@@ -188,9 +156,10 @@ impl Edge<'_> {
     }
 }
 
-/// Sides this far on the wrong side of the image, 84 degrees from its centre, are continued linearly.
-const INNERMOST: f64 = -10.0;
+/// So far on the wrong side of the image that the contact is the body's farthest point.
+const INNERMOST: f64 = -1000.0;
+/// 84 degrees off the image's centre: no pinhole camera sees that far.
+const OUTERMOST: f64 = 10.0;
 /// Newton's method doubles the digits with every step: after a step like this it is exact.
 const TOLERANCE: f64 = 1e-9;
-const MAX_NEWTON_STEPS: usize = 60;
-const MAX_HALVINGS: usize = 60;
+const MAX_STEPS: usize = 60;

@@ -41,9 +41,8 @@ pub enum BoxError {
 /// `C* = P Q* P^T` for every object: corners of furniture lie outside of it, so that its ellipsoid grows too large. Their
 /// `P_det` is left to the sides' standard deviations.
 ///
-/// For all poses the residual is finite and continuous and its derivative bounded, also where the object reaches behind
-/// the camera. One that lies behind it altogether is predicted far outside any image: it costs much, and the derivative leads
-/// to the front.
+/// For all poses the residual is finite and its derivative bounded. An object that reaches behind the camera where a side
+/// was seen costs much, and the derivative leads to the front.
 #[derive(Clone, Debug)]
 pub struct BoxObservation {
     variables: [VariableId; 2],

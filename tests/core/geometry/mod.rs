@@ -3,10 +3,12 @@
 mod camera;
 mod dual_quadric;
 mod ellipsoid;
+mod outline;
 mod overlap;
 mod plane;
 mod pose;
 mod rect;
+mod silhouette;
 
 use ellipsoid_slam::geometry::{Ellipsoid, Plane, Pose};
 use nalgebra::{Point3, Translation3, Unit, UnitQuaternion, Vector3};

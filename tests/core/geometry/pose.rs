@@ -1,6 +1,9 @@
 use super::{ROUNDING, pose_distance, poses, vectors};
-use ellipsoid_slam::geometry::{Pose, exp, interpolate, local, log, retract, skew, yaw_of};
-use nalgebra::{Matrix4, Point3, Vector3, Vector6};
+use ellipsoid_slam::geometry::{
+    Pose, adjoint, exp, interpolate, local, log, log_derivative, retract, rotation_log_derivative,
+    skew, yaw_of,
+};
+use nalgebra::{Matrix3, Matrix4, Matrix6, Point3, Vector3, Vector6};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
@@ -42,6 +45,25 @@ fn the_name_says_which_way_a_pose_goes() {
     odom_from_base.translation.x = 2.0;
     let thing = odom_from_base * Point3::new(1.0, 0.0, 0.0);
     assert!((thing - Point3::new(2.0, 1.0, 0.0)).norm() < ROUNDING);
+}
+
+/// With the translation of a quarter circle: `log` changes by the turn and by what it bends.
+#[test]
+fn small_twists_hardly_bend_the_derivative() {
+    let twist = Vector6::new(0.0, 0.0, 0.2, 1.0, 0.0, 0.0);
+    let derivative = log_derivative(&twist);
+    // To first order 1 + ad(twist) / 2.
+    let mut expected = Matrix6::identity();
+    for (row, column, block) in [
+        (0, 0, skew(Vector3::z() * 0.2)),
+        (3, 3, skew(Vector3::z() * 0.2)),
+        (3, 0, skew(Vector3::x())),
+    ] {
+        let mut view = expected.fixed_view_mut::<3, 3>(row, column);
+        view += Matrix3::from(block) * 0.5;
+    }
+    // The second order is ad^2 / 12, at most 0.2 / 6 here.
+    assert!((derivative - expected).amax() < 0.04, "{derivative}");
 }
 
 proptest! {
@@ -93,6 +115,46 @@ proptest! {
         let there = interpolate(&from, &to, share);
         let back = interpolate(&to, &from, 1.0 - share);
         prop_assert!(pose_distance(&there, &back) < 1e-6);
+    }
+
+    #[test]
+    fn the_adjoint_takes_twists_to_another_frame(a_from_b in poses(), twist in twists()) {
+        let there = exp(&(adjoint(&a_from_b) * twist));
+        prop_assert!(pose_distance(&(a_from_b * exp(&twist)), &(there * a_from_b)) < 1e-7);
+    }
+
+    #[test]
+    fn the_adjoint_of_the_inverse_is_the_inverse(a_from_b in poses()) {
+        let back = adjoint(&a_from_b) * adjoint(&a_from_b.inverse());
+        prop_assert!((back - Matrix6::identity()).norm() < ROUNDING);
+    }
+
+    #[test]
+    fn the_derivative_of_log_is_that_of_differences(twist in twists(), turned in poses()) {
+        // Angles up to nearly half a turn as well as those around the series.
+        for twist in [twist, log(&turned)] {
+            let pose = exp(&twist);
+            const STEP: f64 = 1e-6;
+            let numeric = Matrix6::from_fn(|row, column| {
+                let delta = Vector6::ith(column, STEP);
+                (log(&retract(&pose, &delta))[row] - log(&retract(&pose, &-delta))[row])
+                    / (2.0 * STEP)
+            });
+            let derivative = log_derivative(&twist);
+            // Near half a turn the logarithm's second derivatives grow.
+            prop_assert!((derivative - numeric).norm() < 1e-6 * (1.0 + numeric.norm()), "{derivative}{numeric}");
+            let rotation = rotation_log_derivative(twist.fixed_rows::<3>(0).into_owned());
+            prop_assert_eq!(rotation, derivative.fixed_view::<3, 3>(0, 0).into_owned());
+        }
+    }
+
+    /// Numeric differences are too coarse to see digits get lost at small angles; another law is not.
+    #[test]
+    fn a_twist_does_not_change_the_derivative_along_itself(twist in twists(), size in 0.0..0.2) {
+        for twist in [twist, twist * size] {
+            let along = log_derivative(&twist) * twist;
+            prop_assert!((along - twist).norm() < 1e-12 * (1.0 + twist.norm()), "{}", along - twist);
+        }
     }
 
     #[test]
