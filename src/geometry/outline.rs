@@ -52,9 +52,10 @@ pub struct Support {
 impl Outline {
     /// How far the body reaches from its centre along `direction`, which is in its own frame and of any length.
     ///
-    /// The support function of a superquadric is the dual of the norm in [`Outline::radius`]: its exponents `2/e` become
-    /// `2/(2-e)`. So it is a sum for a cuboid and a Euclidean norm for an ellipsoid. The derivative by the direction is
-    /// `contact`, the derivative by the logarithm of a semi-axis is the direction times `contact` along that axis.
+    /// The support function of a superquadric is the dual of the norm in [`Outline::radius`]: its exponents `2/e`
+    /// become `2/(2-e)`. So it is a sum for a cuboid and a Euclidean norm for an ellipsoid. The derivative by the
+    /// direction is `contact`, the derivative by the logarithm of a semi-axis is the direction times `contact` along
+    /// that axis.
     pub fn support(self, direction: &Vector3<f64>, semi_axes: &Vector3<f64>) -> Support {
         let scaled = direction.component_mul(semi_axes);
         let (reach, slopes) = self.dual_norm(&scaled);
@@ -73,7 +74,7 @@ impl Outline {
                 (v.x.abs() + v.y.abs() + v.z.abs(), v.map(|component| sign(component, tie)))
             }
             Self::Cylinder => {
-                let (radius, [x, y]) = power_norm(v.x, v.y, 2.0);
+                let (radius, [x, y]) = circle_norm(v.x, v.y);
                 let footprint = sign(radius, tie);
                 (radius + v.z.abs(), Vector3::new(footprint * x, footprint * y, sign(v.z, tie)))
             }
@@ -88,17 +89,25 @@ impl Outline {
 
 /// `(|a|^p + |b|^p)^(1/p)` and its derivative, for `p` greater than 1.
 fn power_norm(a: f64, b: f64, p: f64) -> (f64, [f64; 2]) {
-    if p == 2.0 {
-        let norm = a.hypot(b);
-        return (norm, if norm > 0.0 { [a / norm, b / norm] } else { [0.0; 2] });
-    }
-    let largest = a.abs().max(b.abs());
+    let (size_a, size_b) = (a.abs(), b.abs());
+    let (largest, smallest) = (size_a.max(size_b), size_a.min(size_b));
     if largest == 0.0 {
         return (0.0, [0.0; 2]);
     }
-    let norm = largest * ((a.abs() / largest).powf(p) + (b.abs() / largest).powf(p)).powf(1.0 / p);
-    let slope = |c: f64| (c.abs() / norm).powf(p - 1.0) * c.signum();
-    (norm, [slope(a), slope(b)])
+    // Of the terms, divided by the largest, only the other one is not 1.
+    let share = (smallest / largest).powf(p);
+    let sum = 1.0 + share;
+    let norm = sum.powf(1.0 / p);
+    let steep = norm / sum;
+    let flat = if smallest > 0.0 { share * (largest / smallest) * steep } else { 0.0 };
+    let (slope_a, slope_b) = if size_a >= size_b { (steep, flat) } else { (flat, steep) };
+    (largest * norm, [slope_a * a.signum(), slope_b * b.signum()])
+}
+
+/// `(a^2 + b^2)^(1/2)` and its derivative.
+fn circle_norm(a: f64, b: f64) -> (f64, [f64; 2]) {
+    let norm = (a * a + b * b).sqrt();
+    (norm, if norm > 0.0 { [a / norm, b / norm] } else { [0.0; 2] })
 }
 
 /// The sign, or 0 where only rounding gives one: then a whole edge or face reaches equally far.

@@ -119,7 +119,8 @@ fn left_jacobian_inverse(phi: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() - s * 0.5 + s * s * c
 }
 
-/// What rotating does to the translation in the left Jacobian of SE(3). Barfoot, State Estimation for Robotics, eq. (7.86).
+/// What rotating does to the translation in the left Jacobian of SE(3). Barfoot, State Estimation for Robotics, eq.
+/// (7.86).
 fn left_jacobian_coupling(phi: Vector3<f64>, rho: Vector3<f64>) -> Matrix3<f64> {
     let (p, r) = (skew(phi), skew(rho));
     let [b, c, d] = coupling_coefficients(phi.norm());

@@ -48,12 +48,13 @@ pub struct Tangent {
 /// A convex body before a pinhole camera.
 ///
 /// The side at `u` is the plane of all `x = u z`. It touches the body when the body's support function is zero along
-/// `(1, 0, -u)`: an equation that is convex in `u` and whose derivative is the depth of the contact. For an ellipsoid its
-/// solution is that of `C* = P Q* P^T` (Liao et al. 2020, eq. (3)), for a cuboid the outermost corner.
+/// `(1, 0, -u)`: an equation that is convex in `u` and whose derivative is the depth of the contact. For an ellipsoid
+/// its solution is that of `C* = P Q* P^T` (Liao et al. 2020, eq. (3)), for a cuboid the outermost corner.
 ///
-/// A body that reaches behind the camera ends nowhere on some sides, or nearer than [`NEAR_M`]. There a value takes the
-/// place of the tangent that is linear in the body's motion, as large as that side can be and larger the farther back the
-/// body reaches: a step that takes the camera into a body costs much, and derivatives are bounded and lead out.
+/// A body that reaches behind the camera ends nowhere on some sides, or nearer than [`NEAR_M`]. There a value takes
+/// the place of the tangent that is linear in the body's motion, as large as that side can be and larger the farther
+/// back the body reaches: a step that takes the camera into a body costs much, and derivatives are bounded and lead
+/// out.
 #[derive(Clone, Copy, Debug)]
 pub struct Silhouette {
     outline: Outline,
@@ -127,8 +128,8 @@ impl Edge<'_> {
         found.unwrap_or_else(|| self.tangent(&self.probe(OUTERMOST), NEAR_M))
     }
 
-    /// Newton's method: the gap is convex, so that after one step it comes to the solution from the inside. It ends where
-    /// the contact is too near, which it stays farther out.
+    /// Newton's method: the gap is convex, so that after one step it comes to the solution from the inside. It ends
+    /// where the contact is too near, which it stays farther out.
     fn newton(&self, guess: f64) -> Option<Tangent> {
         let mut probe = self.probe(guess);
         for _ in 0..MAX_STEPS {
@@ -161,5 +162,5 @@ const INNERMOST: f64 = -1000.0;
 /// 84 degrees off the image's centre: no pinhole camera sees that far.
 const OUTERMOST: f64 = 10.0;
 /// Newton's method doubles the digits with every step: after a step like this it is exact.
-const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-7;
 const MAX_STEPS: usize = 60;

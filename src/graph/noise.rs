@@ -100,7 +100,17 @@ impl<const N: usize> Noise<N> {
 
     /// A residual or the columns of its derivative in units of standard deviations.
     pub fn whiten<const C: usize>(&self, columns: &SMatrix<f64, N, C>) -> SMatrix<f64, N, C> {
-        self.square_root * columns
+        // Derivatives are half zeros, and a general product of matrices is slow on sizes like these.
+        let mut whitened = SMatrix::<f64, N, C>::zeros();
+        for column in 0..C {
+            for row in 0..N {
+                let value = columns[(row, column)];
+                if value != 0.0 {
+                    whitened.column_mut(column).axpy(value, &self.square_root.column(row), 1.0);
+                }
+            }
+        }
+        whitened
     }
 }
 

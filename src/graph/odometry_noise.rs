@@ -77,13 +77,13 @@ impl NotOdometry {
     }
 }
 
-/// The covariance of the step from one pose of odometry to another: of `[rotation, translation]`, a right perturbation of
-/// `from^-1 to`.
+/// The covariance of the step from one pose of odometry to another: of `[rotation, translation]`, a right
+/// perturbation of `from^-1 to`.
 ///
 /// A pose comes with the covariance of `geometry_msgs/PoseWithCovariance`: of the absolute pose, translation then
-/// rotation, about fixed axes, row-major. If errors of steps are independent and `S` are covariances in our tangent, then
-/// `S_to = Ad S_from Ad^T + S_step` with `Ad` the adjoint of `to_from_from`; this is solved for the step. The floors of
-/// the model are added in any case.
+/// rotation, about fixed axes, row-major. If errors of steps are independent and `S` are covariances in our tangent,
+/// then `S_to = Ad S_from Ad^T + S_step` with `Ad` the adjoint of `to_from_from`; this is solved for the step. The
+/// floors of the model are added in any case.
 pub fn step_covariance(
     from: (&Pose, Option<&[f64; 36]>),
     to: (&Pose, Option<&[f64; 36]>),
@@ -155,8 +155,8 @@ impl MotionModel {
         self.floors() + Vector6::new(0.0, 0.0, heading, position, position, 0.0)
     }
 
-    /// Whether variances of a step are credible. Roll, pitch and height may be better known than what is in the plane, and
-    /// on a robot that does not drive they are as uncertain.
+    /// Whether variances of a step are credible. Roll, pitch and height may be better known than what is in the
+    /// plane, and on a robot that does not drive they are as uncertain.
     fn check(&self, variances: &Vector6<f64>, step: &Pose) -> Result<(), NotOdometry> {
         let (heading, position) = self.planar(step);
         let most =

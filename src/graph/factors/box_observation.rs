@@ -38,11 +38,11 @@ pub enum BoxError {
 /// The sides of a detector's box touch the outline of the object: `r` = (predicted - detected) / sigma, side by side.
 ///
 /// The sides are predicted from the outline of the object, see [`Silhouette`]. Liao et al. 2020 take the ellipse of
-/// `C* = P Q* P^T` for every object: corners of furniture lie outside of it, so that its ellipsoid grows too large. Their
-/// `P_det` is left to the sides' standard deviations.
+/// `C* = P Q* P^T` for every object: corners of furniture lie outside of it, so that its ellipsoid grows too large.
+/// Their `P_det` is left to the sides' standard deviations.
 ///
-/// For all poses the residual is finite and its derivative bounded. An object that reaches behind the camera where a side
-/// was seen costs much, and the derivative leads to the front.
+/// For all poses the residual is finite and its derivative bounded. An object that reaches behind the camera where a
+/// side was seen costs much, and the derivative leads to the front.
 #[derive(Clone, Debug)]
 pub struct BoxObservation {
     variables: [VariableId; 2],
@@ -53,8 +53,8 @@ pub struct BoxObservation {
 }
 
 impl BoxObservation {
-    /// `sides` are left, upper, right and lower. `None` is a side that the border of the image cuts: it says nothing about
-    /// the object.
+    /// `sides` are left, upper, right and lower. `None` is a side that the border of the image cuts: it says nothing
+    /// about the object.
     ///
     /// # Errors
     /// When there is no side or a number is not finite, or a standard deviation is not positive.

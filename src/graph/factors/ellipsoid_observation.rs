@@ -16,12 +16,13 @@ use std::f64::consts::FRAC_1_SQRT_2;
 ///
 /// It differs from Liao et al. 2020, eq. (13) and (14), where Euler angles are subtracted:
 /// - Rotation is compared by its rotation vector, so that nothing jumps where an angle wraps.
-/// - A body stays the same when it is turned by quarter turns about its own z axis and its semi-axes are renamed, or when
-///   it is turned over. Of these names for the object's axes, those count which make the residual smallest.
+/// - A body stays the same when it is turned by quarter turns about its own z axis and its semi-axes are renamed, or
+///   when it is turned over. Of these names for the object's axes, those count which make the residual smallest.
 /// - A round footprint has no heading, see [`EllipsoidObservation::new`].
-/// - Translation and semi-axes are compared along the axes of the measurement, not along the object's: what was hidden
-///   was hidden in the direction the camera looked in, whatever heading the object has been given since. Semi-axes are
-///   compared in metres, not by their logarithms, since the position of a hidden face is linear in centre and semi-axis.
+/// - Translation and semi-axes are compared along the axes of the measurement, not along the object's: what was
+///   hidden was hidden in the direction the camera looked in, whatever heading the object has been given since.
+///   Semi-axes are compared in metres, not by their logarithms, since the position of a hidden face is linear in
+///   centre and semi-axis.
 /// - The covariance is the measurement's own. The factors `P_e` and `eps_z` of eq. (9) and (11) would count it a second
 ///   time; [`EllipsoidObservation::scaled`] is there for who wants them.
 #[derive(Clone, Debug)]
@@ -36,8 +37,8 @@ impl EllipsoidObservation {
     /// `measured` is in the frame of the pose; `covariance` is that of `[rotation, translation, log semi-axes]`
     /// (rad, m, 1), a right perturbation in the measured ellipsoid's own frame.
     ///
-    /// Where the footprint is an ellipse, the standard deviation of the heading is divided by `|a^2-b^2| / (a^2+b^2)` of
-    /// the measured semi-axes: a circle has no heading. A square has one, modulo a quarter turn.
+    /// Where the footprint is an ellipse, the standard deviation of the heading is divided by `|a^2-b^2| / (a^2+b^2)`
+    /// of the measured semi-axes: a circle has no heading. A square has one, modulo a quarter turn.
     ///
     /// # Errors
     /// When the covariance is not finite, not symmetric or not positive definite.

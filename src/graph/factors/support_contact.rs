@@ -8,8 +8,8 @@ use nalgebra::{DVector, SMatrix, Vector1, Vector3};
 
 /// The lowest point of a body lies on a plane of the map: `r` = its signed distance from the plane, over sigma.
 ///
-/// With the outline's support function `h`, the lowest point of a body with centre `c` is at `n · c - h(-R^T n)` along the
-/// plane's normal `n`.
+/// With the outline's support function `h`, the lowest point of a body with centre `c` is at `n · c - h(-R^T n)`
+/// along the plane's normal `n`.
 #[derive(Clone, Debug)]
 pub struct SupportContact {
     variables: [VariableId; 1],

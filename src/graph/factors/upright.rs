@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 
 /// The z axis of an object or a pose points up in the map: `r` = horizontal part of `R e_z`, over sigma.
 ///
-/// Its length is the sine of the tilt; an arccosine would have no derivative where everything should end up. A body that
-/// is upside down is upright, too.
+/// Its length is the sine of the tilt; an arccosine would have no derivative where everything should end up. A body
+/// that is upside down is upright, too.
 #[derive(Clone, Debug)]
 pub struct Upright {
     variables: [VariableId; 1],
