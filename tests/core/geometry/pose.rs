@@ -148,7 +148,24 @@ proptest! {
         }
     }
 
-    /// Numeric differences are too coarse to see digits get lost at small angles; another law is not.
+    /// Numeric differences are too coarse to see digits get lost at small angles.
+    #[test]
+    fn the_derivative_of_log_is_the_sum_of_its_series(
+        axis in super::directions(), angle in 0.0..0.06, shift in vectors(3.0),
+    ) {
+        let phi: Vector3<f64> = axis.into_inner() * angle;
+        let twist = Vector6::new(phi.x, phi.y, phi.z, shift.x, shift.y, shift.z);
+        let mut ad = Matrix6::zeros();
+        for (row, column, block) in [(0, 0, skew(phi)), (3, 3, skew(phi)), (3, 0, skew(shift))] {
+            ad.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
+        }
+        let square = ad * ad;
+        // Bernoulli numbers over factorials; the next term is below 1e-14.
+        let sum = Matrix6::identity() + ad / 2.0 + square / 12.0 - square * square / 720.0
+            + square * square * square / 30_240.0;
+        prop_assert!((log_derivative(&twist) - sum).norm() < 3e-12);
+    }
+
     #[test]
     fn a_twist_does_not_change_the_derivative_along_itself(twist in twists(), size in 0.0..0.2) {
         for twist in [twist, twist * size] {

@@ -69,7 +69,8 @@ proptest! {
             (ImageSide::Lower, 1, 1.0),
         ] {
             let tangent = silhouette.tangent(side, guess);
-            prop_assert!(tangent.at.is_finite() && tangent.gradient.norm().is_finite());
+            let steepest = tangent.at.abs().max(10.0).hypot(1.0) / NEAR_M;
+            prop_assert!(tangent.at.is_finite() && tangent.gradient.norm() < steepest + ROUNDING);
             for direction in &directions {
                 let point = direction.component_mul(&body.semi_axes);
                 let point = point / outline.radius(&point.component_div(&body.semi_axes));
@@ -124,6 +125,16 @@ fn behind_the_camera_sides_are_far_out_and_go_farther() {
             last = now;
         }
     }
+}
+
+/// At 1 cm before the camera a corner is seen far out, and a small motion would move it a long way.
+#[test]
+fn what_is_too_near_is_taken_to_be_farther() {
+    let cube = Ellipsoid::new(Pose::translation(0.3, 0.0, 0.11), Vector3::repeat(0.1));
+    let tangent = Silhouette::new(&cube, Outline::Cuboid).tangent(ImageSide::Right, 0.0);
+    // Not at 0.4 / 0.01: from 10 on it goes at a slope of 1 / 0.05.
+    assert!((tangent.at - (10.0 + (0.4 - 10.0 * 0.01) / 0.05)).abs() < 1e-12, "{}", tangent.at);
+    assert!((tangent.gradient - Vector3::new(20.0, 0.0, -200.0)).norm() < 1e-9);
 }
 
 /// A long table under a camera at its middle: its far end and the far corners are seen, its near end is not.
