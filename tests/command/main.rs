@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod configuration;
+mod evo;
 mod python;
 mod replay;
 mod run;

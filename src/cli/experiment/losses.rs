@@ -9,21 +9,30 @@ use super::{
     row::OURS,
     sequence::Sequence,
 };
-use std::fmt::Write;
+use crate::eval::Interval;
 
-/// A line for each mean in which ours is behind; nothing where it leads everywhere.
+/// A line for each mean in which ours is behind, as far as the printed decimals show it; nothing where it leads
+/// everywhere.
 pub(super) fn losses(results: &Results) -> String {
-    let mut text = String::new();
+    let mut lines: Vec<String> = Vec::new();
     for table in TABLES {
         for sequence in table.sequences {
-            against_rows(table, sequence, results, &mut text);
-            against_paper(table, sequence, results, &mut text);
+            let found = against_rows(table, sequence, results)
+                .into_iter()
+                .chain(against_paper(table, sequence, results));
+            // Two tables may show the same pair.
+            for line in found {
+                if !lines.contains(&line) {
+                    lines.push(line);
+                }
+            }
         }
     }
-    text
+    lines.into_iter().map(|line| format!("- {line}\n")).collect()
 }
 
-fn against_rows(table: &Table, sequence: &Sequence, results: &Results, text: &mut String) {
+fn against_rows(table: &Table, sequence: &Sequence, results: &Results) -> Vec<String> {
+    let mut lost = Vec::new();
     let lines: Vec<_> = block(table, sequence, results).collect();
     for (protocol, _, ours) in lines.iter().filter(|(_, row, _)| row.key == OURS) {
         let others = lines.iter().filter(|(p, row, _)| p == protocol && row.key != OURS);
@@ -31,59 +40,64 @@ fn against_rows(table: &Table, sequence: &Sequence, results: &Results, text: &mu
             for metric in table.metrics {
                 let both = ours.metrics.get(metric).zip(other.metrics.get(metric));
                 let Some((ours, other)) = both else { continue };
-                if !is_worse(ours.mean, other.mean, *metric) {
-                    continue;
+                if is_behind(ours.mean, other.mean, *metric) {
+                    let overlap = if ours.overlaps(other) { "overlap" } else { "do not overlap" };
+                    lost.push(format!(
+                        "{}, {}: {}; \"{}\" has {}; the intervals {overlap}.",
+                        sequence.name,
+                        protocol.name,
+                        ours_is(ours, *metric),
+                        row.name,
+                        number(Some(other), *metric),
+                    ));
                 }
-                let overlap = if ours.overlaps(other) { "overlap" } else { "do not overlap" };
-                let _ = writeln!(
-                    text,
-                    "- {}, {}: {} is {}, and {} with \"{}\"; the intervals {overlap}.",
-                    table.title,
-                    sequence.name,
-                    metric.title(),
-                    number(Some(ours), *metric),
-                    number(Some(other), *metric),
-                    row.name,
-                );
             }
         }
     }
+    lost
 }
 
-fn against_paper(table: &Table, sequence: &Sequence, results: &Results, text: &mut String) {
-    let blocks = table.published.iter().filter(|(of, _)| of == sequence);
-    for (_, published) in blocks {
+fn against_paper(table: &Table, sequence: &Sequence, results: &Results) -> Vec<String> {
+    let mut lost = Vec::new();
+    for (_, published) in table.published.iter().filter(|(of, _)| of == sequence) {
         for (_, _, cell) in block(table, sequence, results).filter(|(_, row, _)| row.key == OURS) {
-            for (at, metric) in paper::METRICS.into_iter().enumerate() {
-                against_best(table, published, cell, (at, metric), text);
-            }
+            lost.extend(
+                (0..paper::METRICS.len())
+                    .filter_map(|at| against_best(sequence, published, cell, at)),
+            );
         }
     }
+    lost
 }
 
 fn against_best(
-    table: &Table,
+    sequence: &Sequence,
     published: &paper::Block,
     cell: &Cell,
-    (at, metric): (usize, Metric),
-    text: &mut String,
-) {
-    let best = published.rows.iter().min_by(|a, b| a.1[at].total_cmp(&b.1[at]));
-    let Some(((method, numbers), ours)) = best.zip(cell.metrics.get(&metric)) else { return };
-    if is_worse(ours.mean, numbers[at], metric) {
-        let _ = writeln!(
-            text,
-            "- {}: {} is {}; the paper's {method} has {:.*} ({}).",
-            table.title,
-            metric.title(),
-            number(Some(ours), metric),
+    at: usize,
+) -> Option<String> {
+    let metric = paper::METRICS[at];
+    let ours = cell.metrics.get(&metric)?;
+    let (method, numbers) = published.rows.iter().min_by(|a, b| a.1[at].total_cmp(&b.1[at]))?;
+    is_behind(ours.mean, numbers[at], metric).then(|| {
+        format!(
+            "{}: {}; the paper's {method} has {:.*} ({}).",
+            sequence.name,
+            ours_is(ours, metric),
             metric.decimals(),
             numbers[at],
             published.name,
-        );
-    }
+        )
+    })
 }
 
-fn is_worse(ours: f64, other: f64, metric: Metric) -> bool {
+fn ours_is(ours: &Interval, metric: Metric) -> String {
+    format!("{} is {}", metric.title(), number(Some(ours), metric))
+}
+
+/// By the decimals that are printed.
+fn is_behind(ours: f64, other: f64, metric: Metric) -> bool {
+    let scale = 10f64.powi(metric.decimals() as i32);
+    let (ours, other) = ((ours * scale).round(), (other * scale).round());
     if metric.is_error() { ours > other } else { ours < other }
 }

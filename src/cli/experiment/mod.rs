@@ -36,13 +36,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Make the tables and figures of the paper's section VI on simulated scenes: minutes a seed, the same bytes each time.
+/// Make the tables and figures of the paper's section VI on simulated scenes: minutes, and the same bytes each time.
 #[derive(Debug, Parser)]
 pub(super) struct Args {
     /// How many random scenes a figure is averaged over.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
-    /// Only these rows, by commas; `experiment --rows help` names them.
+    /// Only these rows, with commas between them; a wrong one is answered with all that there are.
     #[arg(long, value_name = "ROWS", value_delimiter = ',', value_parser = row::row)]
     rows: Vec<&'static Row>,
     /// So many frames a sequence [default: what suits the trajectory].
@@ -116,7 +116,7 @@ fn run_all(args: &Args) -> anyhow::Result<Results> {
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg} {eta}") {
         progress.set_style(style);
     }
-    let mut trials: BTreeMap<String, Vec<Trial>> = BTreeMap::new();
+    let mut trials: BTreeMap<String, (Case, Vec<Trial>)> = BTreeMap::new();
     for seed in 1..=args.seeds {
         for (sequence, cases) in plan.iter().filter(|(_, cases)| !cases.is_empty()) {
             progress.set_message(format!("{}, seed {seed}", sequence.name));
@@ -126,16 +126,20 @@ fn run_all(args: &Args) -> anyhow::Result<Results> {
             let of_case = |case: &Case| {
                 let trial = trial::run(&rendered, &case.protocol, case.row, case.settings());
                 progress.inc(1);
-                (case.key(), trial)
+                trial
             };
-            let finished: Vec<_> = cases.par_iter().map(of_case).collect();
-            for (key, trial) in finished {
-                trials.entry(key).or_default().push(trial);
+            let finished: Vec<Trial> = cases.par_iter().map(of_case).collect();
+            for (case, trial) in cases.iter().zip(finished) {
+                trials.entry(case.key()).or_insert((*case, Vec::new())).1.push(trial);
             }
         }
     }
     progress.finish_and_clear();
-    let cells = trials.into_iter().map(|(key, trials)| (key, Cell::of(&trials))).collect();
+    let cells = trials.into_iter().map(|(key, (case, trials))| {
+        let cell = Cell::of(&trials);
+        (key, if case.has_curve() { cell } else { cell.without_curves() })
+    });
+    let cells = cells.collect();
     Ok(Results { seeds: args.seeds, frames: frames(args), cells })
 }
 

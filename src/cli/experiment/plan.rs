@@ -108,7 +108,7 @@ pub(super) const SWEEPS: &[Sweep] = &[Sweep {
     axis: "mapping.fusion.huber",
     text: "Where the robust kernel of the fusion begins (Mahalanobis distance). The paper's figure 7 changes eps_z, the \
            weight of what depth says against what boxes say; nothing here weighs boxes yet.",
-    values: &[0.3, 1.0, 3.0, 10.0, 30.0],
+    values: &[1.0, 3.0, 10.0, 30.0, 100.0],
     set: |settings, value| settings.mapping.fusion.huber = value,
     row: OURS,
     references: &["quadric-fit"],
@@ -134,6 +134,14 @@ impl Case {
             Some((sweep, value)) => swept_key(&key, sweep, value),
             None => key,
         }
+    }
+
+    /// Whether its curve over the number of views is part of a figure.
+    pub(super) fn has_curve(&self) -> bool {
+        self.sweep.is_none()
+            && self.protocol == CONVERGENCE.protocol
+            && CONVERGENCE.rows.contains(&self.row.key)
+            && CONVERGENCE.sequences.contains(&self.sequence)
     }
 
     /// The settings that it runs with.

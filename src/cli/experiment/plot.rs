@@ -3,7 +3,11 @@
 use crate::eval::Interval;
 use anyhow::anyhow;
 use plotters::{
-    coord::{Shift, types::RangedCoordf64},
+    coord::{
+        Shift,
+        ranged1d::{Ranged, ValueFormatter},
+        types::RangedCoordf64,
+    },
     prelude::*,
 };
 
@@ -48,8 +52,11 @@ pub(super) fn svg(panels: &[Panel], columns: usize) -> anyhow::Result<String> {
     {
         let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
         area.fill(&WHITE).map_err(|e| anyhow!("cannot draw: {e}"))?;
-        for (panel, area) in panels.iter().zip(area.split_evenly((lines, columns))) {
-            draw(panel, &area).map_err(|e| anyhow!("cannot draw {}: {e}", panel.title))?;
+        let areas = area.split_evenly((lines, columns));
+        for (index, (panel, area)) in panels.iter().zip(areas).enumerate() {
+            // All panels have the same curves: the first one says which is which.
+            draw(panel, &area, index == 0)
+                .map_err(|e| anyhow!("cannot draw {}: {e}", panel.title))?;
         }
         area.present().map_err(|e| anyhow!("cannot draw: {e}"))?;
     }
@@ -57,51 +64,76 @@ pub(super) fn svg(panels: &[Panel], columns: usize) -> anyhow::Result<String> {
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Chart<'a, 'b, X> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<X, RangedCoordf64>>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 
-fn draw(panel: &Panel, area: &Area<'_>) -> Drawn {
-    let x = |value: f64| if panel.is_logarithmic { value.log10() } else { value };
-    let top = panel.curves.iter().flat_map(|curve| &curve.points).map(|(_, at)| high(at));
-    let top = top.fold(0.0, f64::max);
-    let top = if top > 0.0 { 1.05 * top } else { 1.0 };
-    let mut chart = ChartBuilder::on(area)
-        .caption(&panel.title, (FONT, 15))
-        .margin(8)
-        .x_label_area_size(36)
-        .y_label_area_size(56)
-        .build_cartesian_2d(x(panel.x_range.0)..x(panel.x_range.1), 0.0..top)?;
+fn draw(panel: &Panel, area: &Area<'_>, has_legend: bool) -> Drawn {
+    let top = top(panel);
+    let mut builder = ChartBuilder::on(area);
+    builder.caption(&panel.title, (FONT, 15));
+    builder.margin(8).margin_right(16).x_label_area_size(36).y_label_area_size(56);
+    let (from, to) = panel.x_range;
+    if panel.is_logarithmic {
+        let mut chart = builder.build_cartesian_2d((from..to).log_scale(), 0.0..top)?;
+        fill(panel, top, has_legend, &mut chart)
+    } else {
+        let mut chart = builder.build_cartesian_2d(from..to, 0.0..top)?;
+        fill(panel, top, has_legend, &mut chart)
+    }
+}
+
+/// The highest value that is shown: wide intervals of few seeds must not flatten the curves.
+fn top(panel: &Panel) -> f64 {
+    let points = || panel.curves.iter().flat_map(|curve| &curve.points).map(|(_, at)| at);
+    let highest = points().map(high).fold(0.0, f64::max);
+    let highest_mean = points().map(|at| at.mean).fold(0.0, f64::max);
+    let top = 1.05 * highest.min(2.0 * highest_mean);
+    if top > 0.0 { top } else { 1.0 }
+}
+
+fn fill<'a, 'b: 'a, X>(
+    panel: &Panel,
+    top: f64,
+    has_legend: bool,
+    chart: &mut Chart<'a, 'b, X>,
+) -> Drawn
+where
+    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
     chart
         .configure_mesh()
         .x_desc(&panel.x_axis)
         .y_desc(&panel.y_axis)
         .light_line_style(TRANSPARENT)
         .label_style((FONT, 12))
-        .x_label_formatter(&|at| {
-            if panel.is_logarithmic { short(10f64.powf(*at)) } else { short(*at) }
-        })
+        .x_label_formatter(&|at| short(*at))
         .y_label_formatter(&|at| short(*at))
         .draw()?;
     for curve in &panel.curves {
-        draw_curve(curve, &x, &mut chart)?;
+        draw_curve(curve, top, chart)?;
     }
-    chart
-        .configure_series_labels()
-        .label_font((FONT, 12))
-        .background_style(WHITE.mix(0.7))
-        .position(SeriesLabelPosition::UpperRight)
-        .draw()?;
+    if has_legend {
+        chart
+            .configure_series_labels()
+            .label_font((FONT, 12))
+            .background_style(WHITE.mix(0.7))
+            .position(SeriesLabelPosition::UpperRight)
+            .draw()?;
+    }
     Ok(())
 }
 
-fn draw_curve(curve: &Curve, x: &impl Fn(f64) -> f64, chart: &mut Chart<'_, '_>) -> Drawn {
+fn draw_curve<X>(curve: &Curve, top: f64, chart: &mut Chart<'_, '_, X>) -> Drawn
+where
+    X: Ranged<ValueType = f64>,
+{
     let color = COLORS[curve.color % COLORS.len()];
-    let line: Vec<(f64, f64)> = curve.points.iter().map(|(at, y)| (x(*at), y.mean)).collect();
+    let line: Vec<(f64, f64)> = curve.points.iter().map(|(x, y)| (*x, y.mean)).collect();
     let drawn = if curve.is_dashed {
         chart.draw_series(DashedLineSeries::new(line, 6, 4, color.stroke_width(2)))?
     } else {
-        let upper = curve.points.iter().map(|(at, y)| (x(*at), high(y)));
-        let lower = curve.points.iter().rev().map(|(at, y)| (x(*at), low(y)));
+        let upper = curve.points.iter().map(|(x, y)| (*x, high(y).min(top)));
+        let lower = curve.points.iter().rev().map(|(x, y)| (*x, low(y)));
         let band: Vec<(f64, f64)> = upper.chain(lower).collect();
         chart.draw_series([Polygon::new(band, color.mix(0.15))])?;
         chart.draw_series(LineSeries::new(line, color.stroke_width(2)))?

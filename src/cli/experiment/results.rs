@@ -59,6 +59,13 @@ impl Cell {
     }
 }
 
+impl Cell {
+    /// The same, as far as no figure shows its curves.
+    pub(super) fn without_curves(self) -> Self {
+        Self { curves: BTreeMap::new(), ..self }
+    }
+}
+
 /// The last decimals of a file that is committed would differ from machine to machine and mean nothing.
 fn rounded(interval: Interval) -> Interval {
     let round = |value: f64| (value * 1e6).round() / 1e6;

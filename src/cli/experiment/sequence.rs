@@ -122,9 +122,10 @@ impl Rendered {
         self.frames.iter().map(|frame| (frame.stamp, frame.world_from_base)).collect()
     }
 
-    /// Poses of the base as the odometry has them.
-    pub(super) fn odometry_poses(&self) -> Vec<(Stamp, Pose)> {
-        self.frames.iter().map(|frame| (frame.stamp, frame.odometry.odom_from_base)).collect()
+    /// Poses of the base as the protocol's odometry has them.
+    pub(super) fn odometry_poses(&self, protocol: &Protocol) -> Vec<(Stamp, Pose)> {
+        let pose = |frame| odometry(frame, protocol.poses).odom_from_base;
+        self.frames.iter().map(|frame| (frame.stamp, pose(frame))).collect()
     }
 
     /// The true objects with the observations that a protocol counts: where boxes are picked, those that are left.

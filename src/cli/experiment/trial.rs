@@ -44,7 +44,7 @@ pub(super) fn run(
     row: &Row,
     settings: Settings,
 ) -> Trial {
-    let mut record = Record::new(rendered.truth(protocol), protocol.association);
+    let mut record = Record::new(rendered.truth(protocol), *protocol);
     let mut slam = ObjectSlam::new(settings);
     for input in rendered.inputs(protocol) {
         let update = slam.handle(input, &mut ());
@@ -61,7 +61,7 @@ pub(super) fn run(
 /// What is written down while the method runs.
 struct Record {
     truth: GroundTruth,
-    association: Association,
+    protocol: Protocol,
     poses: Vec<(Stamp, Pose)>,
     /// True object and object of the map of each box that was joined, in the order of time.
     joined: Vec<(u64, u64)>,
@@ -78,14 +78,8 @@ struct Views {
 }
 
 impl Record {
-    fn new(truth: GroundTruth, association: Association) -> Self {
-        Self {
-            truth,
-            association,
-            poses: Vec::new(),
-            joined: Vec::new(),
-            by_object: BTreeMap::new(),
-        }
+    fn new(truth: GroundTruth, protocol: Protocol) -> Self {
+        Self { truth, protocol, poses: Vec::new(), joined: Vec::new(), by_object: BTreeMap::new() }
     }
 
     fn take(&mut self, update: &Update, slam: &ObjectSlam) {
@@ -149,16 +143,16 @@ impl Record {
             (Metric::IdSwitchesPer200, IdSwitches::count(self.joined.iter().copied()).per_200()),
             (Metric::Within90, scores.calibration.within_90),
             (Metric::AteM, ate(&self.poses)),
-            (Metric::OdometryAteM, ate(&rendered.odometry_poses())),
+            (Metric::OdometryAteM, ate(&rendered.odometry_poses(&self.protocol))),
         ]);
-        if self.association == Association::Given {
+        if self.protocol.association == Association::Given {
             trial.curve = self.curve();
         }
         trial
     }
 
     fn scores(&self, slam: &ObjectSlam) -> ObjectScores {
-        match self.association {
+        match self.protocol.association {
             Association::Automatic => {
                 evaluate(&slam.objects().map(estimated).collect::<Vec<_>>(), &self.truth)
             }
