@@ -36,12 +36,6 @@ impl Interval {
         let rounding = 1e-9 * (1.0 + self.mean.abs());
         (value - self.mean).abs() <= self.half_width.unwrap_or(0.0) + rounding
     }
-
-    /// Whether two intervals have a value in common.
-    pub fn overlaps(&self, other: &Self) -> bool {
-        let reach = self.half_width.unwrap_or(0.0) + other.half_width.unwrap_or(0.0);
-        (self.mean - other.mean).abs() <= reach
-    }
 }
 
 /// The 97.5 % quantile of Student's t distribution (Abramowitz and Stegun 1964, table 26.10).

@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod configuration;
+mod demo_bag;
 mod evo;
 mod python;
 mod replay;

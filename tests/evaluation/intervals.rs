@@ -45,10 +45,9 @@ fn quantiles_fall_with_the_samples_towards_the_normal_one() {
 }
 
 #[test]
-fn intervals_hold_and_overlap_to_their_edges() {
+fn intervals_hold_their_edges() {
     let around = |mean: f64| Interval { mean, half_width: Some(1.0), samples: 9 };
     for (value, inside) in [(4.0, true), (6.0, true), (3.9, false), (6.1, false)] {
         assert_eq!(around(5.0).holds(value), inside, "{value}");
     }
-    assert!(around(5.0).overlaps(&around(7.0)) && !around(5.0).overlaps(&around(7.1)));
 }

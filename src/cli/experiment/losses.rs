@@ -5,7 +5,7 @@ use super::{
     metric::Metric,
     paper,
     plan::{TABLES, Table},
-    results::{Cell, Results},
+    results::{Cell, Results, difference},
     row::OURS,
     sequence::Sequence,
 };
@@ -38,17 +38,17 @@ fn against_rows(table: &Table, sequence: &Sequence, results: &Results) -> Vec<St
         let others = lines.iter().filter(|(p, row, _)| p == protocol && row.key != OURS);
         for (_, row, other) in others {
             for metric in table.metrics {
-                let both = ours.metrics.get(metric).zip(other.metrics.get(metric));
-                let Some((ours, other)) = both else { continue };
-                if is_behind(ours.mean, other.mean, *metric) {
-                    let overlap = if ours.overlaps(other) { "overlap" } else { "do not overlap" };
+                let means = ours.metrics.get(metric).zip(other.metrics.get(metric));
+                let Some((mean, best)) = means else { continue };
+                if is_behind(mean.mean, best.mean, *metric) {
                     lost.push(format!(
-                        "{}, {}: {}; \"{}\" has {}; the intervals {overlap}.",
+                        "{}, {}: {}; \"{}\" has {}{}.",
                         sequence.name,
                         protocol.name,
-                        ours_is(ours, *metric),
+                        ours_is(mean, *metric),
                         row.name,
-                        number(Some(other), *metric),
+                        number(Some(best), *metric),
+                        on_the_same_scenes(difference(ours, other, *metric), *metric),
                     ));
                 }
             }
@@ -93,6 +93,17 @@ fn against_best(
 
 fn ours_is(ours: &Interval, metric: Metric) -> String {
     format!("{} is {}", metric.title(), number(Some(ours), metric))
+}
+
+/// Scenes differ more than methods do: what counts is the difference seed by seed.
+fn on_the_same_scenes(difference: Option<Interval>, metric: Metric) -> String {
+    let Some(difference) = difference else { return String::new() };
+    let chance = match difference.half_width {
+        Some(_) if difference.holds(0.0) => ", which may be chance",
+        Some(_) => ", which is more than chance",
+        None => "",
+    };
+    format!("; scene by scene it differs by {}{chance}", number(Some(&difference), metric))
 }
 
 /// By the decimals that are printed.

@@ -27,7 +27,8 @@ pub(super) fn text(results: &Results, command: &str) -> String {
         let _ = write!(
             text,
             "\n## Where ours loses\n\nEvery mean of the tables above in which \"ours\" is behind another row of its block, or \
-             behind the paper's best, which was measured on other scenes.\n\n{lost}"
+             behind the paper's best, which was measured on other scenes. Differences scene by scene have intervals of their own: \
+             scenes differ more than methods do.\n\n{lost}"
         );
     }
     text + &figures(results)
@@ -42,7 +43,7 @@ fn head(results: &Results, command: &str) -> String {
         "# Experiments\n\n\
          The tables and figures of section VI of Liao et al. 2020 on simulated scenes, written by\n\n\
          ```sh\n{command}\n```\n\n\
-         Each figure is a mean over {} seeds{frames}, ± the half width of its 95 % confidence interval: Student's t over the \
+         Each figure is a mean over {}{frames}, ± the half width of its 95 % confidence interval: Student's t over the \
          means of the seeds, each of which is a mean over the objects of one random scene. A seed draws the scene, the way \
          through it and all noise. A mean without interval comes from one seed. `experiments.json` has the same figures for \
          machines, and `experiment --check` compares a new run with them.\n\n\
@@ -56,7 +57,7 @@ fn head(results: &Results, command: &str) -> String {
          of the objects inside the region that their covariance claims to hold 90 %.\n\
          - A box is near the border within {BORDER_PX} px; the detector is sure of a box above {SURE}, where the paper takes \
          YOLO's 0.95: the simulated detector gives large objects 0.90 ± 0.06 and small ones less.\n",
-        results.seeds,
+        results.seeds_in_words(),
     )
 }
 

@@ -160,7 +160,7 @@ fn write(args: &Args, results: &Results) -> Outcome {
     }
     if !args.json {
         let path = args.output.join("experiments.md");
-        say!("{} figures from {} seeds: {}", results.cells.len(), results.seeds, path.display());
+        say!("{} cases on {}: {}", results.cells.len(), results.seeds_in_words(), path.display());
     }
     Ok(())
 }

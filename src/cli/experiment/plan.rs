@@ -194,3 +194,47 @@ pub(super) fn cases(sequence: Sequence, rows: &[&'static Row]) -> Vec<Case> {
 
 /// All sequences of the plan.
 pub(super) const SEQUENCES: [Sequence; 4] = [DESK_ORBIT, DESK_FORWARD, HOME_ORBIT, HOME_FORWARD];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::experiment::row::{ROWS, row};
+    use std::collections::BTreeSet;
+
+    /// A key with a slip of the pen would leave a row out without a word.
+    #[test]
+    fn every_row_that_is_named_exists() {
+        let of_tables = TABLES.iter().flat_map(|table| table.rows);
+        let of_sweeps = SWEEPS.iter().flat_map(|s| s.references.iter().chain([&s.row]));
+        let named: Vec<&str> =
+            of_tables.chain(CONVERGENCE.rows).chain(of_sweeps).copied().collect();
+        for key in &named {
+            assert!(row(key).is_ok(), "{key}");
+        }
+        let keys: BTreeSet<&str> = ROWS.iter().map(|row| row.key).collect();
+        assert_eq!(keys.len(), ROWS.len(), "two rows have the same key");
+        assert!(keys.iter().all(|key| named.contains(key)), "a row is in no table");
+        assert!(TABLES.iter().flat_map(|table| table.sequences).all(|s| SEQUENCES.contains(s)));
+    }
+
+    #[test]
+    fn every_trial_is_run_once_and_set_as_it_says() {
+        let rows: Vec<&'static Row> = ROWS.iter().collect();
+        for sequence in SEQUENCES {
+            let cases = cases(sequence, &rows);
+            let keys: BTreeSet<String> = cases.iter().map(Case::key).collect();
+            assert_eq!(keys.len(), cases.len());
+            assert!(keys.contains(&format!("{}/true-given/ours", sequence.key)));
+        }
+        let of_orbit = cases(DESK_ORBIT, &rows);
+        let settings =
+            |key: &str| of_orbit.iter().find(|case| case.key() == key).map(Case::settings).unwrap();
+        assert_eq!(settings("desk-orbit/drifting-automatic/ours"), Settings::default());
+        let swept = settings("desk-orbit/paper/ours/huber=30");
+        assert_eq!(swept.mapping.fusion.huber, 30.0);
+        assert_eq!(swept.mapping.association, crate::mapping::Association::Given);
+        assert_eq!(swept.perception, Settings::default().perception);
+        let without = settings("desk-orbit/paper/asymmetric").perception.classes;
+        assert_eq!(without.prior("tv").symmetry, crate::perception::SymmetryType::None);
+    }
+}

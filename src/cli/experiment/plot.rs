@@ -163,3 +163,23 @@ fn short(value: f64) -> String {
         text
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_have_three_digits_and_no_idle_zeros() {
+        let cases = [
+            (0.0, "0"),
+            (0.05, "0.05"),
+            (0.30000000000000004, "0.3"),
+            (12.5, "12.5"),
+            (40.0, "40"),
+            (1e5, "100000"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(short(value), text);
+        }
+    }
+}

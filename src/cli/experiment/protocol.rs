@@ -94,3 +94,32 @@ impl Boxes {
         !self.picks() || is_whole && detection.probability() > SURE
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Distortion, Rect};
+
+    #[test]
+    fn the_paper_keeps_whole_boxes_that_are_sure() {
+        let camera =
+            Camera::new((640, 480), (525.0, 525.0), (319.5, 239.5), Distortion::None).unwrap();
+        let keeps = |boxes: Boxes, sides: [f64; 4], probability: f64| {
+            let rect = Rect::new(sides[0], sides[1], sides[2], sides[3]).unwrap();
+            let detection = Detection::new(rect, vec![("cup".into(), probability)]).unwrap();
+            boxes.keeps(&detection, &camera)
+        };
+        let whole = [100.0, 100.0, 200.0, 200.0];
+        assert!(keeps(Boxes::Sure, whole, 0.81) && !keeps(Boxes::Sure, whole, 0.8));
+        let cut = [
+            [10.0, 100.0, 200.0, 200.0],
+            [100.0, 5.0, 200.0, 200.0],
+            [100.0, 100.0, 629.0, 200.0],
+            [100.0, 100.0, 200.0, 479.0],
+        ];
+        for sides in cut {
+            assert!(!keeps(Boxes::Sure, sides, 1.0), "{sides:?}");
+            assert!(keeps(Boxes::All, sides, 0.1), "{sides:?}");
+        }
+    }
+}

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::eval::Interval;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// `experiments.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,6 +27,9 @@ pub(super) struct Cell {
     /// Objects that count, over all seeds.
     pub(super) true_objects: usize,
     pub(super) metrics: BTreeMap<Metric, Interval>,
+    /// What the intervals are made of, seed by seed.
+    #[serde(skip)]
+    pub(super) samples: BTreeMap<Metric, Vec<Option<f64>>>,
     /// By the number of views, from 1; empty where association is not given.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) curves: BTreeMap<Metric, Vec<Option<Interval>>>,
@@ -39,11 +42,15 @@ impl Cell {
             let samples: Vec<f64> = trials.iter().filter_map(value).collect();
             Interval::of(&samples).map(rounded)
         };
-        let measured: BTreeMap<Metric, ()> =
-            trials.iter().flat_map(|t| t.metrics.keys()).map(|metric| (*metric, ())).collect();
-        let metrics = measured.into_keys().filter_map(|metric| {
-            Some((metric, over_seeds(&|trial| trial.metrics.get(&metric).copied())?))
-        });
+        let measured: BTreeSet<Metric> =
+            trials.iter().flat_map(|trial| trial.metrics.keys().copied()).collect();
+        let sample = |trial: &Trial, metric| trial.metrics.get(&metric).copied();
+        let metrics = measured
+            .iter()
+            .filter_map(|metric| Some((*metric, over_seeds(&|trial| sample(trial, *metric))?)));
+        let samples = measured
+            .iter()
+            .map(|metric| (*metric, trials.iter().map(|trial| sample(trial, *metric)).collect()));
         let views = trials.iter().map(|trial| trial.curve.len()).max().unwrap_or(0);
         let curve = |which: usize| {
             let at = |views: usize| over_seeds(&|trial| (*trial.curve.get(views)?)[which]);
@@ -54,6 +61,7 @@ impl Cell {
             found: trials.iter().map(|trial| trial.found).sum(),
             true_objects: trials.iter().map(|trial| trial.true_objects).sum(),
             metrics: metrics.collect(),
+            samples: samples.collect(),
             curves: curves.map(|(which, metric)| (metric, curve(which))).collect(),
         }
     }
@@ -66,6 +74,13 @@ impl Cell {
     }
 }
 
+/// By how much the first is more than the second on the same seeds.
+pub(super) fn difference(a: &Cell, b: &Cell, metric: Metric) -> Option<Interval> {
+    let pairs = a.samples.get(&metric)?.iter().zip(b.samples.get(&metric)?);
+    let differences: Vec<f64> = pairs.filter_map(|(a, b)| Some((*a)? - (*b)?)).collect();
+    Interval::of(&differences)
+}
+
 /// The last decimals of a file that is committed would differ from machine to machine and mean nothing.
 fn rounded(interval: Interval) -> Interval {
     let round = |value: f64| (value * 1e6).round() / 1e6;
@@ -73,6 +88,11 @@ fn rounded(interval: Interval) -> Interval {
 }
 
 impl Results {
+    /// How many seeds.
+    pub(super) fn seeds_in_words(&self) -> String {
+        format!("{} seed{}", self.seeds, if self.seeds == 1 { "" } else { "s" })
+    }
+
     /// The text of `experiments.json`, a line a cell.
     pub(super) fn json(&self) -> Result<String, serde_json::Error> {
         let cells = self.cells.iter().map(|(key, cell)| {
