@@ -12,6 +12,7 @@ mod config;
 mod demo;
 mod eval;
 mod eval_table;
+mod experiment;
 mod import;
 mod inspect;
 mod recording;
@@ -43,6 +44,7 @@ enum Command {
     Import(import::Args),
     Simulate(simulate::Args),
     Eval(eval::Args),
+    Experiment(experiment::Args),
     Config(config::Args),
 }
 
@@ -79,6 +81,7 @@ pub fn run() -> ExitCode {
         Command::Import(args) => import::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Eval(args) => eval::run(args),
+        Command::Experiment(args) => experiment::run(args),
         Command::Config(args) => config::run(args),
     };
     match outcome {

@@ -233,7 +233,8 @@ fn write_due_boxes(
     Ok(())
 }
 
-fn true_objects(truth: &GroundTruth) -> eval::GroundTruth {
+/// The true objects as files and metrics have them.
+pub(super) fn true_objects(truth: &GroundTruth) -> eval::GroundTruth {
     let objects = truth.objects.iter().map(|object| TrueObject {
         id: object.id.into(),
         label: object.label.to_owned(),

@@ -6,6 +6,8 @@
 mod axes;
 mod calibration;
 mod ground_truth;
+mod id_switches;
+mod interval;
 mod matching;
 mod object_error;
 mod objects;
@@ -13,10 +15,13 @@ mod trajectory;
 
 pub use calibration::{Calibration, NormalisedError};
 pub use ground_truth::{GroundTruth, GroundTruthError, TrueObject};
+pub use id_switches::IdSwitches;
+pub use interval::Interval;
 pub use matching::{MATCH_DISTANCE_M, assignment};
 pub use object_error::{ObjectError, ROUND_FOOTPRINT, rotation_error_deg, shape_error};
 pub use objects::{
     EstimatedObject, FalseObject, MIN_OBSERVATIONS, Match, MissedObject, ObjectScores, evaluate,
+    evaluate_identified,
 };
 pub use trajectory::{
     MAX_STAMP_DISTANCE_S, Statistics, TrajectoryError, TrajectoryScores, aligned,

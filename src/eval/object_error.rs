@@ -39,6 +39,25 @@ impl ObjectError {
     }
 }
 
+impl ObjectError {
+    /// The median of each measure over several estimates of one object; nothing without an estimate.
+    pub fn median(errors: &[Self]) -> Option<Self> {
+        let of = |value: &dyn Fn(&Self) -> Option<f64>| {
+            let mut values: Vec<f64> = errors.iter().filter_map(value).collect();
+            values.sort_by(f64::total_cmp);
+            let (low, high) = (values.len().checked_sub(1)? / 2, values.len() / 2);
+            Some(0.5 * (values[low] + values[high]))
+        };
+        Some(Self {
+            translation_m: of(&|e| Some(e.translation_m))?,
+            rotation_deg: of(&|e| e.rotation_deg),
+            shape: of(&|e| Some(e.shape))?,
+            paper_shape: of(&|e| Some(e.paper_shape))?,
+            iou: of(&|e| Some(e.iou))?,
+        })
+    }
+}
+
 /// Angle between the longer sides of two footprints, modulo 180 degrees (deg); nothing where the true footprint is
 /// round.
 pub fn rotation_error_deg(estimate: &OrientedBox, truth: &OrientedBox) -> Option<f64> {

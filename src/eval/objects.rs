@@ -107,16 +107,30 @@ pub struct ObjectScores {
     pub false_objects: Vec<FalseObject>,
 }
 
-/// Compares a map with the truth, both in the same frame.
+/// Compares a map with the truth, both in the same frame; nearest centres belong together.
 pub fn evaluate(map: &[EstimatedObject], truth: &GroundTruth) -> ObjectScores {
     let true_centers: Vec<_> =
         truth.objects.iter().map(|o| Point3::from(o.pose.translation.vector)).collect();
     let centers: Vec<_> = map.iter().map(|o| o.ellipsoid.center()).collect();
     // Objects that do not count take part, so that what was made of them is not held against the map.
     let pairs = assignment(&true_centers, &centers, MATCH_DISTANCE_M);
+    scored(&map.iter().collect::<Vec<_>>(), truth, &pairs)
+}
+
+/// Compares a map whose objects come with the ids of the true objects that they show: however far off it is, such an
+/// object counts as found. An id that comes twice is a false object the second time.
+pub fn evaluate_identified(map: &[(u64, EstimatedObject)], truth: &GroundTruth) -> ObjectScores {
+    let shown = |object: &TrueObject| map.iter().position(|(true_id, _)| *true_id == object.id);
+    let pairs = truth.objects.iter().enumerate();
+    let pairs: Vec<_> = pairs.filter_map(|(t, object)| Some((t, shown(object)?))).collect();
+    scored(&map.iter().map(|(_, object)| object).collect::<Vec<_>>(), truth, &pairs)
+}
+
+/// Scores pairs of `(index of the true object, index in the map)`.
+fn scored(map: &[&EstimatedObject], truth: &GroundTruth, pairs: &[(usize, usize)]) -> ObjectScores {
     let found: Vec<Pair<'_>> = pairs
         .iter()
-        .map(|(t, m)| Pair { truth: &truth.objects[*t], estimate: &map[*m] })
+        .map(|(t, m)| Pair { truth: &truth.objects[*t], estimate: map[*m] })
         .filter(|pair| counts(pair.truth))
         .collect();
     let is_found = |index: usize| pairs.iter().any(|(t, _)| *t == index);
@@ -125,7 +139,7 @@ pub fn evaluate(map: &[EstimatedObject], truth: &GroundTruth) -> ObjectScores {
         .map(|(_, o)| MissedObject { true_id: o.id, true_label: o.label.clone() })
         .collect();
     let is_used = |index: usize| pairs.iter().any(|(_, m)| *m == index);
-    let false_objects = (map.iter().enumerate())
+    let false_objects = (map.iter().copied().enumerate())
         .filter(|(index, _)| !is_used(*index))
         .map(|(_, o)| FalseObject {
             id: o.id,

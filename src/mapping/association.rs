@@ -4,6 +4,17 @@ use super::MapObject;
 use crate::geometry::Ellipsoid;
 use serde::{Deserialize, Serialize};
 
+/// Who decides which measurement belongs to which object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Association {
+    /// The map, by label and distance.
+    #[default]
+    Automatic,
+    /// The detections' own identities ([`crate::perception::Detection::track`]); what has none is left out. The paper
+    /// joins by hand, so its figures can only be compared like this.
+    Given,
+}
+
 /// The gate: how far apart two views of one object may be.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -5,7 +5,7 @@ mod fusion;
 mod object;
 mod objects;
 
-pub use association::GateSettings;
+pub use association::{Association, GateSettings};
 pub use fusion::FusionSettings;
 pub use object::{MapObject, ObjectId};
 pub use objects::{MappingSettings, ObjectMap, Observation};

@@ -23,6 +23,8 @@ impl fmt::Display for ObjectId {
 pub struct MapObject {
     /// Its identity.
     pub id: ObjectId,
+    /// Identity that its first measurement came with, if any.
+    pub track: Option<u64>,
     /// What fills its extents.
     pub outline: Outline,
     /// Measurements that were joined to it.

@@ -1,7 +1,8 @@
 //! The map of objects.
 
 use super::{
-    FusionSettings, GateSettings, MapObject, ObjectId, association::associate, fusion::Estimate,
+    Association, FusionSettings, GateSettings, MapObject, ObjectId, association::associate,
+    fusion::Estimate,
 };
 use crate::{
     geometry::{Ellipsoid, Outline},
@@ -17,6 +18,9 @@ use std::collections::BTreeMap;
 pub struct MappingSettings {
     /// Measurements after which an object counts.
     pub min_observations: u32,
+    /// Who decides which measurements belong together; for tests and experiments, so not in the configuration.
+    #[serde(skip)]
+    pub association: Association,
     /// Which measurements belong together.
     pub gate: GateSettings,
     /// How they are fused.
@@ -27,6 +31,7 @@ impl Default for MappingSettings {
     fn default() -> Self {
         Self {
             min_observations: 3,
+            association: Association::default(),
             gate: GateSettings::default(),
             fusion: FusionSettings::default(),
         }
@@ -38,6 +43,8 @@ impl Default for MappingSettings {
 pub struct Observation {
     /// The detector's labels with their probabilities, most probable first.
     pub labels: Vec<(String, f64)>,
+    /// Identity given with the detection.
+    pub track: Option<u64>,
     /// The measured ellipsoid in the map frame.
     pub ellipsoid: Ellipsoid,
     /// Covariance of `[rotation, translation, log semi-axes]`.
@@ -58,18 +65,30 @@ pub struct ObjectMap {
 }
 
 impl ObjectMap {
-    /// Joins the measurements of one keyframe and returns the object of each, in order.
+    /// Joins the measurements of one keyframe and returns the object of each, in order; none where identities are
+    /// given and a measurement has none.
     pub fn observe(
         &mut self,
         stamp: Stamp,
         observations: &[Observation],
         settings: &MappingSettings,
-    ) -> Vec<ObjectId> {
-        let measured: Vec<(&str, Ellipsoid)> =
-            observations.iter().map(|o| (o.labels[0].0.as_str(), o.ellipsoid)).collect();
-        let found = associate(&self.objects, &measured, &settings.gate);
+    ) -> Vec<Option<ObjectId>> {
+        let nearest = match settings.association {
+            Association::Automatic => self.nearest(observations, &settings.gate),
+            Association::Given => vec![None; observations.len()],
+        };
         let mut ids = Vec::with_capacity(observations.len());
-        for (observation, found) in observations.iter().zip(found) {
+        for (observation, nearest) in observations.iter().zip(nearest) {
+            let found = match (settings.association, observation.track) {
+                (Association::Automatic, _) => nearest,
+                (Association::Given, Some(track)) => {
+                    self.objects.iter().position(|object| object.track == Some(track))
+                }
+                (Association::Given, None) => {
+                    ids.push(None);
+                    continue;
+                }
+            };
             let object = match found {
                 Some(at) => &mut self.objects[at],
                 None => self.add(stamp, observation),
@@ -82,9 +101,16 @@ impl ObjectMap {
                 );
             }
             object.join(stamp, observation);
-            ids.push(object.id);
+            ids.push(Some(object.id));
         }
         ids
+    }
+
+    /// The object of each measurement by label and distance.
+    fn nearest(&self, observations: &[Observation], gate: &GateSettings) -> Vec<Option<usize>> {
+        let measured: Vec<(&str, Ellipsoid)> =
+            observations.iter().map(|o| (o.labels[0].0.as_str(), o.ellipsoid)).collect();
+        associate(&self.objects, &measured, gate)
     }
 
     /// Objects with enough measurements, in the order in which they were first seen.
@@ -102,6 +128,7 @@ impl ObjectMap {
         self.last_id += 1;
         self.objects.push(MapObject {
             id: ObjectId(self.last_id),
+            track: first.track,
             outline: first.outline,
             observations: 0,
             first_seen: stamp,

@@ -8,6 +8,8 @@ use thiserror::Error;
 pub struct Detection {
     /// The box; it may reach beyond the image, but not lie outside it.
     pub rect: Rect,
+    /// Identity of what it shows, where a tracker or a simulator gives one; a plain detector does not.
+    pub track: Option<u64>,
     /// Class names with probabilities in (0, 1], most probable first; never empty.
     hypotheses: Vec<(String, f64)>,
 }
@@ -24,7 +26,7 @@ pub enum DetectionError {
 }
 
 impl Detection {
-    /// A detection from its box and its class hypotheses in any order.
+    /// A detection from its box and its class hypotheses in any order, without an identity.
     ///
     /// # Errors
     /// When no hypothesis has a name and a probability in (0, 1].
@@ -35,7 +37,7 @@ impl Detection {
         if hypotheses.is_empty() {
             return Err(DetectionError::NoClass);
         }
-        Ok(Self { rect, hypotheses })
+        Ok(Self { rect, track: None, hypotheses })
     }
 
     /// The most probable class.

@@ -153,7 +153,7 @@ impl ObjectSlam {
             .into_iter()
             .zip(estimate.objects)
             .map(|(detection, measurement)| {
-                let object = measurement.as_ref().ok().and_then(|_| ids.next());
+                let object = measurement.as_ref().ok().and_then(|_| ids.next().flatten());
                 BoxResult { detection, measurement, object }
             })
             .collect();
@@ -218,6 +218,7 @@ fn in_map(
     });
     Observation {
         labels: detection.hypotheses().to_vec(),
+        track: detection.track,
         ellipsoid,
         covariance: measurement.covariance,
         outline: measurement.outline,

@@ -3,6 +3,8 @@
 
 mod bad_input;
 mod configuration;
+mod demo_bag;
+mod evo;
 mod python;
 mod replay;
 mod run;

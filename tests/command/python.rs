@@ -7,10 +7,14 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::Command,
+    sync::Mutex,
 };
 
 /// The environment's Python, made when it is not there or when `requirements.txt` has changed.
-fn python() -> PathBuf {
+pub(crate) fn python() -> PathBuf {
+    // Tests run at the same time, the environment is made once.
+    static MAKING: Mutex<()> = Mutex::new(());
+    let _one_at_a_time = MAKING.lock();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let environment = root.join("target/python");
     let requirements = root.join("tests/requirements.txt");

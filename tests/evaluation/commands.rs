@@ -9,7 +9,7 @@ use std::{
     process::{Command, Output},
 };
 
-fn call(folder: &Path, arguments: &str) -> Output {
+pub(crate) fn call(folder: &Path, arguments: &str) -> Output {
     Command::new(env!("CARGO_BIN_EXE_ellipsoid_slam"))
         .args(arguments.split_whitespace())
         .current_dir(folder)
@@ -17,7 +17,7 @@ fn call(folder: &Path, arguments: &str) -> Output {
         .unwrap()
 }
 
-fn succeeds(folder: &Path, arguments: &str) -> String {
+pub(crate) fn succeeds(folder: &Path, arguments: &str) -> String {
     let output = call(folder, arguments);
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{arguments}: {errors}");
@@ -25,7 +25,7 @@ fn succeeds(folder: &Path, arguments: &str) -> String {
 }
 
 /// The one sentence with which a call ends.
-fn fails(folder: &Path, arguments: &str, status: i32) -> String {
+pub(crate) fn fails(folder: &Path, arguments: &str, status: i32) -> String {
     let output = call(folder, arguments);
     assert_eq!(output.status.code(), Some(status), "{arguments}");
     let says = String::from_utf8(output.stderr).unwrap();

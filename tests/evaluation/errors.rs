@@ -146,3 +146,24 @@ fn nothing_depends_on_how_axes_are_named() {
         }
     }
 }
+
+#[test]
+fn the_median_is_taken_measure_by_measure() {
+    let error = |translation_m: f64, rotation_deg: Option<f64>| ObjectError {
+        translation_m,
+        rotation_deg,
+        shape: 2.0 * translation_m,
+        paper_shape: 3.0 * translation_m,
+        iou: 1.0 - translation_m,
+    };
+    let odd = [error(0.3, None), error(0.1, Some(8.0)), error(0.9, Some(4.0))];
+    let median = ObjectError::median(&odd).unwrap();
+    assert_near(median.translation_m, 0.3);
+    assert_near(median.rotation_deg.unwrap(), 6.0);
+    assert_near(median.iou, 0.7);
+    let median = ObjectError::median(&[error(0.1, None), error(0.2, None)]).unwrap();
+    assert_near(median.shape, 0.3);
+    assert_near(median.paper_shape, 0.45);
+    assert_eq!(median.rotation_deg, None);
+    assert_eq!(ObjectError::median(&[]), None);
+}

@@ -4,6 +4,9 @@
 mod calibration;
 mod commands;
 mod errors;
+mod experiment;
+mod id_switches;
+mod intervals;
 mod maps;
 mod matching;
 mod trajectories;

@@ -1,7 +1,7 @@
 //! Which object is which, and what that says about a map.
 
 use ellipsoid_slam::{
-    eval::{EstimatedObject, GroundTruth, TrueObject, assignment, evaluate},
+    eval::{EstimatedObject, GroundTruth, TrueObject, assignment, evaluate, evaluate_identified},
     geometry::{Ellipsoid, Pose},
 };
 use nalgebra::{Point3, SMatrix, Vector3};
@@ -97,4 +97,22 @@ fn an_empty_map_has_no_precision_and_no_means() {
     assert_eq!(scores.calibration.mean_nees_per_dimension, None);
     let scores = evaluate(&[], &GroundTruth { frame_id: "map".into(), objects: Vec::new() });
     assert_eq!((scores.precision, scores.recall), (None, None));
+}
+
+#[test]
+fn known_objects_count_as_found_however_far_off() {
+    let objects = vec![true_object(1, 0.0, 10), true_object(2, 0.3, 10), true_object(3, 9.0, 4)];
+    let truth = GroundTruth { frame_id: "map".into(), objects };
+    // They lie nearest to each other's place, and one is beyond every distance at which places are matched.
+    let map = [
+        (2, estimated(10, "cup", 0.0)),
+        (1, estimated(11, "cup", 2.0)),
+        (3, estimated(12, "cup", 9.0)),
+        (1, estimated(13, "cup", 0.1)),
+    ];
+    let scores = evaluate_identified(&map, &truth);
+    let pairs: Vec<_> = scores.matches.iter().map(|m| (m.true_id, m.id)).collect();
+    assert_eq!(pairs, [(1, 11), (2, 10)], "3 was seen too rarely to count");
+    assert!((scores.translation_m.unwrap() - 0.5 * (2.0 + 0.3)).abs() < 1e-12);
+    assert_eq!(scores.false_objects.iter().map(|f| f.id).collect::<Vec<_>>(), [13]);
 }

@@ -49,6 +49,7 @@ const HOMES: &[(&str, &[&str])] = &[
     ("faer", &["graph"]),
     ("parry3d", &["geometry", "sim", "mapping"]),
     ("mcap", &["io"]),
+    ("plotters", &["cli"]),
     ("ros2_client", &["ros"]),
     ("tokio", &["ros", "cli"]),
 ];
@@ -138,6 +139,7 @@ fn planted_faults_are_found() {
         (strayed_dependencies, "src/perception/a.rs", "parry3d::query::distance()"),
         (strayed_dependencies, "src/msg/a.rs", "use mcap::Writer;"),
         (strayed_dependencies, "src/io/a.rs", "use ros2_client::Node;"),
+        (strayed_dependencies, "src/eval/a.rs", "use plotters::prelude::*;"),
         (strayed_dependencies, "src/io/a.rs", "use tokio as rt;"),
         (strayed_dependencies, "src/main.rs", "#[tokio::main]"),
     ];

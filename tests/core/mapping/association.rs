@@ -1,7 +1,7 @@
 use super::{independent, map_of, observation, only};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Pose},
-    mapping::{MappingSettings, ObjectId, ObjectMap, Observation},
+    mapping::{Association, MappingSettings, ObjectId, ObjectMap, Observation},
     time::Stamp,
 };
 use nalgebra::Vector3;
@@ -44,10 +44,10 @@ fn of_two_neighbours_each_gets_its_own_whatever_the_order() {
         let mut map = ObjectMap::default();
         let first =
             map.observe(Stamp::from_secs(0.0), &[chair(0.0, 0.0), chair(0.6, 0.0)], &settings);
-        assert_eq!(first, [ObjectId(1), ObjectId(2)]);
+        assert_eq!(first, [Some(ObjectId(1)), Some(ObjectId(2))]);
         // Both moved towards the first: the second one is within reach of both.
         let mut pair = vec![chair(0.05, 0.0), chair(0.4, 0.0)];
-        let mut expected = vec![ObjectId(1), ObjectId(2)];
+        let mut expected = vec![Some(ObjectId(1)), Some(ObjectId(2))];
         if swapped {
             pair.reverse();
             expected.reverse();
@@ -96,4 +96,34 @@ fn the_height_of_the_support_is_averaged() {
     let map = map_of([on(None), on(Some(0.02)), on(Some(0.04)), on(None)]);
     let height = only(&map).support_height_m.unwrap();
     assert!((height - 0.03).abs() < 1e-12, "{height}");
+}
+
+#[test]
+fn given_identities_decide_against_label_and_distance() {
+    let settings =
+        MappingSettings { association: Association::Given, ..MappingSettings::default() };
+    let given = |track: Option<u64>, observation: Observation| Observation { track, ..observation };
+    let mut map = ObjectMap::default();
+    let first = [given(Some(7), chair(0.0, 0.0)), given(Some(9), chair(0.02, 0.0))];
+    let ids = map.observe(Stamp::from_secs(0.0), &first, &settings);
+    assert_eq!(ids, [Some(ObjectId(1)), Some(ObjectId(2))]);
+    // A label that flickers, a box around nothing, a view that is far off, and one object twice.
+    let second = [
+        given(Some(9), named("couch", 0.0, 0.0)),
+        given(None, chair(0.0, 0.0)),
+        given(Some(7), chair(2.0, 0.0)),
+        given(Some(7), chair(0.0, 0.0)),
+    ];
+    let ids = map.observe(Stamp::from_secs(1.0), &second, &settings);
+    assert_eq!(ids, [Some(ObjectId(2)), None, Some(ObjectId(1)), Some(ObjectId(1))]);
+    let seen: Vec<_> = map.all().iter().map(|o| (o.track, o.observations)).collect();
+    assert_eq!(seen, [(Some(7), 3), (Some(9), 2)]);
+}
+
+#[test]
+fn identities_mean_nothing_where_the_map_decides() {
+    let with = |track: u64, x: f64| Observation { track: Some(track), ..chair(x, 0.0) };
+    let map = map_of([with(7, 0.0), with(9, 0.05), with(7, 3.0)]);
+    let seen: Vec<u32> = map.all().iter().map(|o| o.observations).collect();
+    assert_eq!(seen, [2, 1]);
 }

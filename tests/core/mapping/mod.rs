@@ -18,6 +18,7 @@ pub(crate) fn observation(
     covariance: Covariance,
 ) -> Observation {
     Observation {
+        track: None,
         labels: vec![(label.into(), 0.9)],
         ellipsoid,
         covariance,

@@ -1,0 +1,75 @@
+//! What is compared: a row of a table is a way to set the pipeline.
+
+use super::protocol::Protocol;
+use crate::{
+    perception::{FitModel, SymmetryType},
+    pipeline::Settings,
+};
+
+/// A method under test.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// How `--rows`, files and keys call it.
+    pub(super) key: &'static str,
+    /// How people call it.
+    pub(super) name: &'static str,
+    /// Changes the default settings, to which the protocol was applied before.
+    pub(super) change: fn(&mut Settings, &Protocol),
+    /// What is measured.
+    pub(super) output: Output,
+}
+
+/// What of a run is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Output {
+    /// The map at the end.
+    Map,
+    /// Each measurement by itself: the median over an object's measurements.
+    SingleFrames,
+}
+
+/// All rows. A new one is an entry here, and its key in the tables and figures of `plan.rs` where it shall appear.
+pub(super) const ROWS: &[Row] = &[
+    Row {
+        key: "one-frame",
+        name: "one frame (median)",
+        change: |_, _| (),
+        output: Output::SingleFrames,
+    },
+    Row {
+        key: "one-frame-asymmetric",
+        name: "one frame (median), without symmetry",
+        change: |settings, _| forget_symmetry(settings),
+        output: Output::SingleFrames,
+    },
+    Row {
+        key: "quadric-fit",
+        name: "ours, fit of eq. (7)",
+        change: |settings, _| settings.perception.fit = FitModel::Quadric,
+        output: Output::Map,
+    },
+    Row {
+        key: "asymmetric",
+        name: "ours, without symmetry",
+        change: |settings, _| forget_symmetry(settings),
+        output: Output::Map,
+    },
+    Row { key: OURS, name: "ours", change: |_, _| (), output: Output::Map },
+];
+
+/// The row with everything on, which the others are compared with.
+pub(super) const OURS: &str = "ours";
+
+/// The row of a key.
+pub(super) fn row(key: &str) -> Result<&'static Row, String> {
+    ROWS.iter().find(|row| row.key == key).ok_or_else(|| {
+        let keys: Vec<&str> = ROWS.iter().map(|row| row.key).collect();
+        format!("there is no such row; there are {}", keys.join(", "))
+    })
+}
+
+fn forget_symmetry(settings: &mut Settings) {
+    let classes = &mut settings.perception.classes;
+    classes.unlisted.symmetry = SymmetryType::None;
+    classes.listed.values_mut().for_each(|class| class.symmetry = SymmetryType::None);
+}

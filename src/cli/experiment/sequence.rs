@@ -1,0 +1,223 @@
+//! A simulated sequence, rendered once and kept for every row.
+
+use super::protocol::{Poses, Protocol};
+use crate::{
+    cli::{
+        recording::{BASE_FRAME, CAMERA_FRAME, ODOM_FRAME},
+        simulate::true_objects,
+    },
+    eval::GroundTruth,
+    geometry::{Camera, Pose},
+    perception::{DepthImage, Detection},
+    pipeline::{
+        CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
+        StampedTransform,
+    },
+    sim::{
+        OdometryReading, SceneKind, SimulatedFrame, Simulation, SimulationSettings, TrajectoryKind,
+    },
+    time::Stamp,
+};
+use std::collections::BTreeMap;
+
+/// A scene and a way through it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Sequence {
+    /// How files and keys call it.
+    pub(super) key: &'static str,
+    /// How people call it.
+    pub(super) name: &'static str,
+    scene: SceneKind,
+    trajectory: TrajectoryKind,
+}
+
+pub(super) const DESK_ORBIT: Sequence = Sequence {
+    key: "desk-orbit",
+    name: "desk, orbit",
+    scene: SceneKind::Desk,
+    trajectory: TrajectoryKind::Orbit,
+};
+pub(super) const DESK_FORWARD: Sequence = Sequence {
+    key: "desk-forward",
+    name: "desk, forward",
+    scene: SceneKind::Desk,
+    trajectory: TrajectoryKind::Forward,
+};
+pub(super) const HOME_ORBIT: Sequence = Sequence {
+    key: "home-orbit",
+    name: "home, orbit",
+    scene: SceneKind::Home,
+    trajectory: TrajectoryKind::Orbit,
+};
+pub(super) const HOME_FORWARD: Sequence = Sequence {
+    key: "home-forward",
+    name: "home, forward",
+    scene: SceneKind::Home,
+    trajectory: TrajectoryKind::Forward,
+};
+
+/// All images of a sequence with their boxes, poses and truth.
+pub(super) struct Rendered {
+    camera: Camera,
+    base_from_camera: Pose,
+    frames: Vec<RenderedFrame>,
+    /// Objects in sight are counted in every frame, whether the detector found them or not.
+    truth: GroundTruth,
+}
+
+/// What a trial needs of a frame.
+struct RenderedFrame {
+    stamp: Stamp,
+    depth: DepthImage,
+    detections: Vec<Detection>,
+    world_from_base: Pose,
+    odometry: OdometryReading,
+}
+
+impl Sequence {
+    /// Renders the sequence that a seed draws, with as many frames as asked for or as suit the trajectory.
+    pub(super) fn rendered(&self, seed: u64, frames: Option<usize>) -> anyhow::Result<Rendered> {
+        let simulation = Simulation::new(SimulationSettings {
+            scene: self.scene,
+            trajectory: self.trajectory,
+            seed,
+            frames: frames.unwrap_or(0),
+            ..SimulationSettings::default()
+        })?;
+        let mut truth = simulation.ground_truth();
+        let mut frames = Vec::with_capacity(simulation.frame_count());
+        // One after the other: each is rendered on all cores, and its colours are dropped before the next.
+        for frame in simulation.frames() {
+            truth.observe(&frame);
+            frames.push(kept(frame, simulation.camera())?);
+        }
+        Ok(Rendered {
+            camera: simulation.camera().clone(),
+            base_from_camera: *simulation.base_from_optical(),
+            frames,
+            truth: true_objects(&truth),
+        })
+    }
+}
+
+fn kept(frame: SimulatedFrame, camera: &Camera) -> anyhow::Result<RenderedFrame> {
+    let detections = frame.detections.iter().map(|d| {
+        let hypotheses = d.hypotheses.iter().map(|(label, p)| ((*label).to_owned(), *p));
+        let mut detection = Detection::new(d.rect, hypotheses.collect())?;
+        detection.track = d.object.map(u64::from);
+        Ok(detection)
+    });
+    Ok(RenderedFrame {
+        stamp: frame.stamp,
+        detections: detections.collect::<anyhow::Result<_>>()?,
+        depth: DepthImage::new(camera.width(), camera.height(), frame.depth_m)?,
+        world_from_base: frame.world_from_base,
+        odometry: frame.odometry,
+    })
+}
+
+impl Rendered {
+    /// True poses of the base.
+    pub(super) fn true_poses(&self) -> Vec<(Stamp, Pose)> {
+        self.frames.iter().map(|frame| (frame.stamp, frame.world_from_base)).collect()
+    }
+
+    /// Poses of the base as the protocol's odometry has them.
+    pub(super) fn odometry_poses(&self, protocol: &Protocol) -> Vec<(Stamp, Pose)> {
+        let pose = |frame| odometry(frame, protocol.poses).odom_from_base;
+        self.frames.iter().map(|frame| (frame.stamp, pose(frame))).collect()
+    }
+
+    /// The true objects with the observations that a protocol counts: where boxes are picked, those that are left.
+    pub(super) fn truth(&self, protocol: &Protocol) -> GroundTruth {
+        let mut truth = self.truth.clone();
+        if protocol.boxes.picks() {
+            let mut picked: BTreeMap<u64, u64> = BTreeMap::new();
+            let detections = self.frames.iter().flat_map(|frame| self.picked(frame, protocol));
+            for track in detections.filter_map(|d| d.track) {
+                *picked.entry(track).or_default() += 1;
+            }
+            for object in &mut truth.objects {
+                object.observations = picked.get(&object.id).copied().unwrap_or(0);
+            }
+        }
+        truth
+    }
+
+    /// The messages of the sequence as the protocol has them, each made when it is asked for.
+    pub(super) fn inputs<'a>(
+        &'a self,
+        protocol: &'a Protocol,
+    ) -> impl Iterator<Item = Input> + use<'a> {
+        let start = self.frames.first().map(|frame| frame.stamp).unwrap_or_default();
+        let fixed = [
+            Input::Transforms {
+                is_static: true,
+                transforms: vec![StampedTransform {
+                    stamp: start,
+                    frame_id: BASE_FRAME.into(),
+                    child_frame_id: CAMERA_FRAME.into(),
+                    parent_from_child: self.base_from_camera,
+                }],
+            },
+            Input::Camera(CameraMessage {
+                role: CameraRole::Color,
+                stamp: start,
+                frame_id: CAMERA_FRAME.into(),
+                camera: self.camera.clone(),
+            }),
+        ];
+        let of_frame = |frame| self.frame_inputs(frame, protocol);
+        fixed.into_iter().chain(self.frames.iter().flat_map(of_frame))
+    }
+
+    fn frame_inputs(&self, frame: &RenderedFrame, protocol: &Protocol) -> [Input; 3] {
+        let stamp = frame.stamp;
+        [
+            Input::Odometry(odometry(frame, protocol.poses)),
+            Input::Depth(DepthMessage {
+                stamp,
+                frame_id: CAMERA_FRAME.into(),
+                image: frame.depth.clone(),
+            }),
+            Input::Detections(DetectionsMessage {
+                stamp,
+                frame_id: CAMERA_FRAME.into(),
+                detections: self.picked(frame, protocol).cloned().collect(),
+            }),
+        ]
+    }
+
+    fn picked<'a>(
+        &'a self,
+        frame: &'a RenderedFrame,
+        protocol: &'a Protocol,
+    ) -> impl Iterator<Item = &'a Detection> {
+        frame.detections.iter().filter(|d| protocol.boxes.keeps(d, &self.camera))
+    }
+}
+
+fn odometry(frame: &RenderedFrame, poses: Poses) -> OdometryMessage {
+    let (odom_from_base, covariance) = match poses {
+        Poses::True => (frame.world_from_base, EXACT),
+        Poses::Drifting => (frame.odometry.odom_from_base, frame.odometry.covariance),
+    };
+    OdometryMessage {
+        stamp: frame.stamp,
+        frame_id: ODOM_FRAME.into(),
+        child_frame_id: BASE_FRAME.into(),
+        odom_from_base,
+        covariance: Some(Box::new(covariance)),
+    }
+}
+
+/// The covariance of a true pose (m^2, rad^2): all zeros would mean that it was not filled in.
+const EXACT: [f64; 36] = {
+    let mut covariance = [0.0; 36];
+    let mut axis = 0;
+    while axis < 6 {
+        covariance[7 * axis] = 1e-9;
+        axis += 1;
+    }
+    covariance
+};
