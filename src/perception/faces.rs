@@ -6,6 +6,7 @@
 
 use super::{
     ClassPrior, Frame, Sight,
+    end::{Blur, end_of},
     footprint::quantile,
     segmentation::{Segment, SurfacePoint},
 };
@@ -181,25 +182,18 @@ fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>
     let last = outermost(&mut coordinates, extent);
     let mut rim: Vec<&SurfacePoint> =
         segment.points.iter().filter(|p| p.at.coords.dot(outward) > last - RIM_M).collect();
-    let sigma = rim.iter().map(|p| p.noise_along_m(outward)).sum::<f64>() / rim.len() as f64;
-    // A face turned to the camera is a cloud of its own around the true position; the end of a face seen from the
-    // side is, on average, half a sample beyond the last of its points.
-    let width = 5.0 * sigma + 0.004;
-    let mut band: Vec<f64> = coordinates.iter().copied().filter(|c| *c > last - width).collect();
-    let share = band.len() as f64 / coordinates.len() as f64;
-    let (position_m, step) = if share > FACING_SHARE
-        && (width < FACING_DEPTH * extent || extent < SHEET_DEPTH * width)
-    {
-        (quantile(&mut band, 0.5), 0.0)
-    } else {
-        let step =
-            rim.iter().map(|p| sample_step_m(segment, p, outward)).sum::<f64>() / rim.len() as f64;
-        (last + 0.5 * step, step)
-    };
-    rim.retain(|p| p.at.coords.dot(outward) > last - 0.01 - 2.0 * sigma);
+    let n = rim.len() as f64;
+    let noise_m = rim.iter().map(|p| p.noise_along_m(outward)).sum::<f64>() / n;
+    let step_m = rim.iter().map(|p| sample_step_m(segment, p, outward)).sum::<f64>() / n;
+    let end = end_of(
+        &coordinates,
+        last,
+        extent,
+        Blur { noise_m, step_m, band_m: EDGE_BAND_PX * step_m / segment.stride },
+    );
+    rim.retain(|p| p.at.coords.dot(outward) > end.position_m - 0.01 - 2.0 * noise_m);
     let side = what_lies_beyond(frame, segment, &rim, outward);
-    let sigma_m = (sigma.powi(2) / 4.0 + step.powi(2) / 12.0 + MODEL_SIGMA_M.powi(2)).sqrt();
-    Face { position_m, sigma_m, side }
+    Face { position_m: end.position_m, sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M), side }
 }
 
 /// The outermost coordinate at which the points are not yet sparse: readings between the object and what is behind it
@@ -312,14 +306,10 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
     }
 }
 
+/// Structured-light cameras lose readings this near to a jump of the depth (px). Khoshelham and Elberink 2012.
+const EDGE_BAND_PX: f64 = 2.0;
 /// Points are sparse where there are fewer than this share of what there would be if they were spread evenly.
 const SPARSE: f64 = 0.15;
-/// A face with more of the points than this within its noise is turned to the camera.
-const FACING_SHARE: f64 = 0.2;
-/// A cloud that is deeper than this share of the object is not one face.
-const FACING_DEPTH: f64 = 0.25;
-/// A segment that is hardly deeper than its noise is one face and nothing else.
-const SHEET_DEPTH: f64 = 1.3;
 /// Depth of the layer of outermost points (m).
 const RIM_M: f64 = 0.05;
 /// Real objects have round edges and handles (m).

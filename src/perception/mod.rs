@@ -8,6 +8,7 @@ mod classes;
 mod clustering;
 mod depth;
 mod detection;
+mod end;
 mod estimator;
 mod faces;
 mod fit;

@@ -80,6 +80,8 @@ pub(super) struct Segment<'a> {
     pub(super) rect: Rect,
     /// Distance between neighbouring samples on a surface facing the camera (m).
     pub(super) spacing_m: f64,
+    /// The same (px).
+    pub(super) stride: f64,
 }
 
 impl Segment<'_> {
@@ -146,7 +148,8 @@ pub(super) fn segment<'a>(
         return Err(Refused::TooFewPoints { got: points.len(), needed: enough });
     }
     add_normals(frame, &mut points, crop.stride);
-    Ok(Segment { spacing_m: crop.spacing_m(&points), points, support, rect: crop.rect })
+    let stride = f64::from(crop.stride);
+    Ok(Segment { spacing_m: crop.spacing_m(&points), stride, points, support, rect: crop.rect })
 }
 
 /// The sampled pixels of a box.
