@@ -18,6 +18,7 @@ mod measurement;
 mod normal;
 mod registration;
 mod segmentation;
+mod silhouette;
 mod stage;
 mod support;
 mod symmetry;
