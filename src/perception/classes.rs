@@ -16,6 +16,10 @@ pub struct ClassPrior {
     /// Whether they stand on legs or feet that a depth camera may miss: their bottom is the support plane.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub legs: bool,
+    /// Whether they stand on a flat foot that reaches farther than what is above it, and that a depth camera may take
+    /// for a part of the support plane.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub foot: bool,
     /// Whether other things stand on their top, which is a horizontal plane: they end there.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub carries: bool,
@@ -49,10 +53,11 @@ impl Default for Classes {
         for (symmetry, outline, labels) in SHAPES {
             for label in *labels {
                 let legs = LEGS.contains(label);
+                let foot = FEET.contains(label);
                 let carries = CARRIERS.contains(label);
                 let size_m = SIZES.iter().find(|(name, _)| name == label).map(|(_, size)| *size);
-                let prior =
-                    ClassPrior { symmetry: *symmetry, outline: *outline, legs, carries, size_m };
+                let (symmetry, outline) = (*symmetry, *outline);
+                let prior = ClassPrior { symmetry, outline, legs, foot, carries, size_m };
                 listed.insert((*label).to_owned(), prior);
             }
         }
@@ -158,6 +163,8 @@ const SHAPES: &[(SymmetryType, Outline, &[&str])] = &[
 ];
 
 const LEGS: &[&str] = &["bed", "bench", "chair", "couch", "dining table"];
+
+const FEET: &[&str] = &["tv"];
 
 const CARRIERS: &[&str] = &["bench", "dining table"];
 

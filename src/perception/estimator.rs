@@ -80,12 +80,15 @@ pub fn estimate_object(
     let prior = settings.classes.prior(detection.label());
     let segment = segment(frame, planes, &detection.rect, &prior, &settings.segmentation)?;
     observer.enter(Some(Stage::Faces));
-    let heading = heading(&segment);
+    let heading = heading(&segment, prior.outline);
     let mut faces = Faces::measure(frame, &segment, heading.yaw, &prior);
     observer.enter(Some(Stage::Symmetry));
     let symmetry = complete_by_symmetry(frame, &segment, prior.symmetry, &mut faces);
+    faces.stay_in_box(frame, &segment, prior.outline)?;
+    faces.reach_box(frame, &segment, &prior);
     let known = faces.faces[..4].iter().filter(|f| f.side.is_known()).count();
-    if known == 0 {
+    // Without a usual size there is nothing to guess from.
+    if known == 0 && prior.size_m.is_none() {
         return Err(Refused::TooLittleSeen { known });
     }
     observer.enter(Some(Stage::Fit));
@@ -103,7 +106,7 @@ pub fn estimate_object(
     let camera_from_level = frame.level_from_camera().inverse();
     Ok(EllipsoidMeasurement {
         ellipsoid: in_level.transformed(&camera_from_level),
-        covariance: faces.covariance(yaw_sigma(&heading, &faces), TILT_SIGMA_RAD),
+        covariance: faces.covariance(yaw_sigma(&heading, &faces, prior.outline), TILT_SIGMA_RAD),
         sides: faces.faces.map(|face| face.side),
         outline: prior.outline,
         probability,
@@ -124,14 +127,26 @@ fn outline_of(fit: FitModel, outline: Outline) -> Outline {
 }
 
 /// The object's heading: from its vertical faces if it has them, otherwise from its footprint.
-fn heading(segment: &Segment<'_>) -> Heading {
-    heading_of_faces(&segment.points).unwrap_or_else(|| heading_of_rectangle(&segment.points))
+fn heading(segment: &Segment<'_>, outline: Outline) -> Heading {
+    let has_faces = !is_round(outline);
+    let of_faces = if has_faces { heading_of_faces(&segment.points) } else { None };
+    of_faces.unwrap_or_else(|| heading_of_rectangle(&segment.points))
+}
+
+fn is_round(outline: Outline) -> bool {
+    matches!(outline, Outline::Ellipsoid | Outline::Cylinder)
 }
 
 /// Yaw of a round footprint means nothing: its uncertainty grows to "any" as the sides become equal.
-fn yaw_sigma(heading: &Heading, faces: &Faces) -> f64 {
+fn yaw_sigma(heading: &Heading, faces: &Faces, outline: Outline) -> f64 {
     let (a, b) = (faces.extent_m(0), faces.extent_m(1));
     let elongation = (a - b).abs() / a.max(b);
+    if is_round(outline) {
+        // The tangent of an ellipse turns with its axes only as far as it is no circle, and only what was seen counts.
+        let is_seen = faces.faces[..4].iter().all(|face| face.side.is_known());
+        let telling = if is_seen { elongation } else { 0.0 };
+        return (ROUND_SIGMA_RAD / telling.max(1e-3)).min(ANY_HEADING_RAD);
+    }
     heading.sigma.hypot(0.3 * (1.0 - elongation / 0.1).max(0.0))
 }
 
@@ -146,6 +161,8 @@ fn complete_by_symmetry(
         return Vec::new();
     }
     let mut found: Vec<(usize, SymmetryPlane)> = (0..2)
+        // One face alone is its own mirror image.
+        .filter(|axis| faces.seen_extent_m(*axis) > segment.sheet_m())
         .filter_map(|axis| {
             let angle = faces.yaw + axis as f64 * std::f64::consts::FRAC_PI_2;
             let extent = faces.extent_m(axis);
@@ -189,6 +206,10 @@ fn completed_points(segment: &Segment<'_>, symmetry: &[SymmetryPlane]) -> Vec<Po
 
 /// Classes without symmetry must not be more probable than symmetric ones.
 const UNKNOWN_SYMMETRY: f64 = 0.5;
+/// Heading of an outline without faces, times its elongation (rad).
+const ROUND_SIGMA_RAD: f64 = 0.12;
+/// Standard deviation of a heading that may be anything within a quarter turn (rad).
+const ANY_HEADING_RAD: f64 = 0.5;
 const MAX_FIT_POINTS: usize = 400;
 /// Objects stand upright and gravity is known to about this much (rad).
 const TILT_SIGMA_RAD: f64 = 0.02;

@@ -6,8 +6,10 @@
 
 use super::{
     ClassPrior, Frame, Sight,
+    end::{Blur, end_of},
     footprint::quantile,
     segmentation::{Segment, SurfacePoint},
+    silhouette::BoxSide,
 };
 use nalgebra::{Isometry3, Point3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -22,6 +24,8 @@ pub enum Side {
     Support,
     /// The mirror image of a face that was seen.
     Mirrored,
+    /// Nothing was seen of it but that the detector's box reaches so far.
+    Outline,
     /// The object goes on: cut by the box, or by another object's border.
     Cut,
     /// Behind the object itself, behind another one or outside the image.
@@ -31,7 +35,7 @@ pub enum Side {
 impl Side {
     /// Whether the face's position was measured.
     pub fn is_known(self) -> bool {
-        matches!(self, Side::Seen | Side::Support | Side::Mirrored)
+        matches!(self, Side::Seen | Side::Support | Side::Mirrored | Side::Outline)
     }
 }
 
@@ -41,6 +45,8 @@ pub(super) struct Face {
     pub(super) position_m: f64,
     pub(super) sigma_m: f64,
     pub(super) side: Side,
+    /// How much of the position is a guess (m).
+    pub(super) guessed_m: f64,
 }
 
 /// The six faces in the order -x, +x, -y, +y, -z, +z of an upright frame turned by `yaw` in the level frame.
@@ -58,9 +64,19 @@ impl Faces {
         yaw: f64,
         prior: &ClassPrior,
     ) -> Self {
-        let mut faces = std::array::from_fn(|i| measure_face(frame, segment, &(outward(yaw, i))));
+        let mut faces =
+            std::array::from_fn(|i| measure_face(frame, segment, &outward(yaw, i), prior));
+        let lowest_m = -faces[4].position_m;
         faces[4] = bottom(segment, faces[4], prior);
         let mut out = Self { yaw, faces };
+        let unseen_m = lowest_m + out.faces[4].position_m;
+        out.hide_backs_of_sheets(segment);
+        let is_cut = BoxSide::ALL.into_iter().any(|side| segment.is_cut_by_image(side));
+        if prior.foot || unseen_m > UNSEEN_SHARE * out.extent_m(2) {
+            out.allow_for_unseen_part(prior, false);
+        } else if is_cut {
+            out.allow_for_unseen_part(prior, true);
+        }
         out.guess_what_is_hidden(prior);
         out
     }
@@ -69,6 +85,11 @@ impl Faces {
     pub(super) fn extent_m(&self, axis: usize) -> f64 {
         let [low, high] = [self.faces[2 * axis], self.faces[2 * axis + 1]];
         (high.position_m + low.position_m).max(MIN_EXTENT_M)
+    }
+
+    /// Extent without what was guessed, along axis 0, 1 or 2 (m).
+    pub(super) fn seen_extent_m(&self, axis: usize) -> f64 {
+        self.extent_m(axis) - self.faces[2 * axis].guessed_m - self.faces[2 * axis + 1].guessed_m
     }
 
     /// Centre's coordinate along axis 0, 1 or 2 (m).
@@ -84,12 +105,58 @@ impl Faces {
             if seen.side == Side::Seen && !self.faces[hidden].side.is_known() {
                 let position_m = 2.0 * sign * offset_m + seen.position_m;
                 if position_m > self.faces[hidden].position_m - 0.05 * self.extent_m(axis) {
+                    let mirrored_m = seen.position_m + position_m;
                     self.faces[hidden] = Face {
                         position_m,
-                        sigma_m: seen.sigma_m.hypot(2.0 * sigma_m),
+                        sigma_m: seen
+                            .sigma_m
+                            .hypot(2.0 * sigma_m)
+                            .hypot(MIRROR_SIGMA_SHARE * mirrored_m),
                         side: Side::Mirrored,
+                        guessed_m: 0.0,
                     };
                 }
+            }
+        }
+    }
+
+    /// Where only one face was seen, the back of the object is not where that face is.
+    fn hide_backs_of_sheets(&mut self, segment: &Segment<'_>) {
+        let view = segment.direction();
+        for i in 0..4 {
+            let is_sheet = self.extent_m(i / 2) < segment.sheet_m();
+            let face = &mut self.faces[i];
+            if is_sheet
+                && face.side != Side::Hidden
+                && outward(self.yaw, i).dot(&view) > TURNED_AWAY
+            {
+                face.side = Side::Hidden;
+            }
+        }
+    }
+
+    /// A back rest without its seat, a screen without its foot: what is lower down may reach farther than what was
+    /// seen, to either side, in proportion to the sizes that the class usually has. Of what the image cuts
+    /// (`needs_both`) the front is known, unless only a sliver was seen: thin along both axes.
+    fn allow_for_unseen_part(&mut self, prior: &ClassPrior, needs_both: bool) {
+        let Some(size) = prior.size_m else { return };
+        let usual = self.usual_extents_m(size);
+        let ratios = [0, 1, 2].map(|axis| self.extent_m(axis) / usual[axis]);
+        let scale = ratios.into_iter().fold(0.0, f64::max).min(1.0);
+        let is_thin = |axis: usize| ratios[axis] <= THIN_SHARE * scale;
+        if needs_both && !(is_thin(0) && is_thin(1)) {
+            return;
+        }
+        for (axis, usual_m) in usual.iter().enumerate().take(2) {
+            let missing_m = 0.5 * (scale * usual_m - self.extent_m(axis));
+            if !is_thin(axis) {
+                continue;
+            }
+            for face in &mut self.faces[2 * axis..2 * axis + 2] {
+                face.position_m += missing_m;
+                face.guessed_m += missing_m;
+                face.sigma_m = face.sigma_m.hypot(missing_m);
+                face.side = Side::Hidden;
             }
         }
     }
@@ -108,7 +175,7 @@ impl Faces {
             let axis = i / 2;
             let across = extents[(axis + 1) % 3].min(extents[(axis + 2) % 3]);
             let (guess, sigma_m) = match (self.faces[i].side, usual) {
-                (Side::Seen | Side::Support | Side::Mirrored, _) => continue,
+                (side, _) if side.is_known() => continue,
                 (_, Some(usual)) => {
                     let unclear =
                         if ambiguous && axis < 2 { 0.5 * (usual[0] - usual[1]) } else { 0.0 };
@@ -118,14 +185,21 @@ impl Faces {
                     let beyond = HIDDEN_SHARE * across.max(0.5 * extents[axis]);
                     (beyond, 1.5 * beyond)
                 }
-                (Side::Cut, None) => (CUT_SHARE * extents[axis], 0.15 * extents[axis]),
+                (_, None) => (CUT_SHARE * extents[axis], 0.15 * extents[axis]),
             };
             let sharing =
                 self.faces[axis * 2..axis * 2 + 2].iter().filter(|f| !f.side.is_known()).count();
             let face = &mut self.faces[i];
-            face.position_m += guess.max(0.0) / sharing.max(1) as f64;
+            let guess = guess.max(0.0) / sharing.max(1) as f64;
+            face.position_m += guess;
+            face.guessed_m += guess;
             face.sigma_m = face.sigma_m.hypot(sigma_m).max(0.05);
         }
+    }
+
+    /// The class's usual extents along the axes (m).
+    pub(super) fn usual_extents_m(&self, size_m: [f64; 3]) -> [f64; 3] {
+        usual_extents(size_m, &std::array::from_fn(|axis| self.extent_m(axis)))
     }
 
     /// Semi-axes (m) in the order x, y, z.
@@ -174,32 +248,61 @@ fn outward(yaw: f64, i: usize) -> Vector3<f64> {
     if i.is_multiple_of(2) { -axis } else { axis }
 }
 
-fn measure_face(frame: &Frame<'_>, segment: &Segment<'_>, outward: &Vector3<f64>) -> Face {
+fn measure_face(
+    frame: &Frame<'_>,
+    segment: &Segment<'_>,
+    outward: &Vector3<f64>,
+    prior: &ClassPrior,
+) -> Face {
     let mut coordinates: Vec<f64> =
         segment.points.iter().map(|p| p.at.coords.dot(outward)).collect();
     let extent = quantile(&mut coordinates, 0.99) - quantile(&mut coordinates, 0.01);
     let last = outermost(&mut coordinates, extent);
     let mut rim: Vec<&SurfacePoint> =
         segment.points.iter().filter(|p| p.at.coords.dot(outward) > last - RIM_M).collect();
-    let sigma = rim.iter().map(|p| p.noise_along_m(outward)).sum::<f64>() / rim.len() as f64;
-    // A face turned to the camera is a cloud of its own around the true position; the end of a face seen from the
-    // side is, on average, half a sample beyond the last of its points.
-    let width = 5.0 * sigma + 0.004;
-    let mut band: Vec<f64> = coordinates.iter().copied().filter(|c| *c > last - width).collect();
-    let share = band.len() as f64 / coordinates.len() as f64;
-    let (position_m, step) = if share > FACING_SHARE
-        && (width < FACING_DEPTH * extent || extent < SHEET_DEPTH * width)
-    {
-        (quantile(&mut band, 0.5), 0.0)
-    } else {
-        let step =
-            rim.iter().map(|p| sample_step_m(segment, p, outward)).sum::<f64>() / rim.len() as f64;
-        (last + 0.5 * step, step)
+    let n = rim.len() as f64;
+    let noise_m = rim.iter().map(|p| p.noise_along_m(outward)).sum::<f64>() / n;
+    let step_m = rim.iter().map(|p| sample_step_m(segment, p, outward)).sum::<f64>() / n;
+    let end = end_of(
+        &coordinates,
+        last,
+        extent,
+        Blur { noise_m, step_m, band_m: EDGE_BAND_PX * step_m / segment.stride },
+    );
+    rim.retain(|p| p.at.coords.dot(outward) > end.position_m - 0.01 - 2.0 * noise_m);
+    let side = match what_lies_beyond(frame, segment, &rim, outward) {
+        Side::Seen
+            if may_go_on_outside_image(segment, &rim, outward)
+                && !(outward.z > 0.0 && is_usual_height(extent, prior)) =>
+        {
+            Side::Cut
+        }
+        side => side,
     };
-    rim.retain(|p| p.at.coords.dot(outward) > last - 0.01 - 2.0 * sigma);
-    let side = what_lies_beyond(frame, segment, &rim, outward);
-    let sigma_m = (sigma.powi(2) / 4.0 + step.powi(2) / 12.0 + MODEL_SIGMA_M.powi(2)).sqrt();
-    Face { position_m, sigma_m, side }
+    Face {
+        position_m: end.position_m,
+        sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M),
+        side,
+        guessed_m: 0.0,
+    }
+}
+
+/// Whether the top is where it usually is: what is as high as its class will not be higher outside the image, and what
+/// carries other things is level.
+fn is_usual_height(seen_m: f64, prior: &ClassPrior) -> bool {
+    prior.carries || prior.size_m.is_some_and(|[_, _, height]| seen_m > USUAL_SHARE * height)
+}
+
+/// Whether more of the outermost points may be outside the image. The face that is turned to the camera goes on there
+/// as it is.
+fn may_go_on_outside_image(
+    segment: &Segment<'_>,
+    rim: &[&SurfacePoint],
+    outward: &Vector3<f64>,
+) -> bool {
+    let at_border = rim.iter().filter(|p| segment.is_at_image_border(p)).count();
+    let is_front = outward.z == 0.0 && rim.iter().all(|p| p.at.coords.dot(outward) < 0.0);
+    !is_front && at_border as f64 > BORDER_SHARE * rim.len() as f64
 }
 
 /// The outermost coordinate at which the points are not yet sparse: readings between the object and what is behind it
@@ -292,7 +395,8 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
     let level = center.z - support.height_of(&center.into()) / support.plane.normal.z;
     let sigma = segment.points.iter().map(|p| p.sigma_m).sum::<f64>() / n;
     let gap = -lowest.position_m - level;
-    let on_plane = |sigma_m: f64, side: Side| Face { position_m: -level, sigma_m, side };
+    let on_plane =
+        |sigma_m: f64, side: Side| Face { position_m: -level, sigma_m, side, guessed_m: 0.0 };
     if gap < SUPPORT_REACH_M + 3.0 * sigma + 2.0 * segment.spacing_m {
         return on_plane(0.004 + support.rms_m, Side::Support);
     }
@@ -306,26 +410,35 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
             position_m: lowest.position_m + missing,
             sigma_m: (0.5 * missing).max(0.2 * height),
             side: Side::Hidden,
+            guessed_m: missing,
         },
         // It stands on something that is not a plane of its own, or hangs.
         _ => lowest,
     }
 }
 
+/// Structured-light cameras lose readings this near to a jump of the depth (px). Khoshelham and Elberink 2012.
+const EDGE_BAND_PX: f64 = 2.0;
 /// Points are sparse where there are fewer than this share of what there would be if they were spread evenly.
 const SPARSE: f64 = 0.15;
-/// A face with more of the points than this within its noise is turned to the camera.
-const FACING_SHARE: f64 = 0.2;
-/// A cloud that is deeper than this share of the object is not one face.
-const FACING_DEPTH: f64 = 0.25;
-/// A segment that is hardly deeper than its noise is one face and nothing else.
-const SHEET_DEPTH: f64 = 1.3;
 /// Depth of the layer of outermost points (m).
 const RIM_M: f64 = 0.05;
 /// Real objects have round edges and handles (m).
 const MODEL_SIGMA_M: f64 = 0.01;
 /// Cosine of the most grazing view that still gives samples.
 const MIN_FACING: f64 = 0.2;
+/// Share of the outermost points at the image's border from which on more of them may be outside.
+const BORDER_SHARE: f64 = 0.02;
+/// Things of a class are at least this share of their usual height.
+const USUAL_SHARE: f64 = 0.85;
+/// Below what was seen there is room for this share of the object.
+const UNSEEN_SHARE: f64 = 0.25;
+/// What is thinner than this share of the usual extent is not all of the object.
+const THIN_SHARE: f64 = 0.75;
+/// Cosine between the view and a face's outward direction from which on the face is turned away.
+const TURNED_AWAY: f64 = 0.3;
+/// Things are symmetric to this share of their extent.
+const MIRROR_SIGMA_SHARE: f64 = 0.08;
 const MIN_EXTENT_M: f64 = 0.005;
 const MAX_LOOKS: usize = 80;
 const MAX_REACH: u32 = 3;

@@ -73,6 +73,12 @@ pub enum Refused {
         /// Intersection over union of the box and the points' extent in the image.
         overlap: f64,
     },
+    /// What was taken for the object reaches out of the box where nothing hides it.
+    #[error("it would reach out of the box by {:.0} % of the box", 100.0 * share)]
+    LargerThanBox {
+        /// How far it goes on outside, as a share of the box.
+        share: f64,
+    },
     /// The outline of the object is cut or hidden nearly everywhere.
     #[error("only {known} of the 4 upright sides can be told")]
     TooLittleSeen {
@@ -90,6 +96,7 @@ impl Refused {
             Self::NoCluster => "no_cluster",
             Self::GoesOnOutsideBox { .. } => "goes_on_outside_box",
             Self::FillsTooLittle { .. } => "fills_too_little",
+            Self::LargerThanBox { .. } => "larger_than_box",
             Self::TooLittleSeen { .. } => "too_little_seen",
         }
     }

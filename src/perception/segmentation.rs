@@ -3,8 +3,13 @@
 //! Liao et al. 2020, section IV-A, steps 1 to 4.
 
 use super::{
-    ClassPrior, Frame, Refused, background::without_wall, bounds::Bounds,
-    clustering::euclidean_clusters, normal::local_normal, support::SupportPlane,
+    ClassPrior, Frame, Refused,
+    background::without_wall,
+    bounds::Bounds,
+    clustering::euclidean_clusters,
+    normal::local_normal,
+    silhouette::BoxSide,
+    support::{GridPoint, SupportPlane},
 };
 use crate::geometry::Rect;
 use nalgebra::{Point3, Unit, Vector3};
@@ -78,11 +83,40 @@ pub(super) struct Segment<'a> {
     pub(super) support: Option<&'a SupportPlane>,
     /// The detector's box, inside the image.
     pub(super) rect: Rect,
+    /// The image.
+    pub(super) image: Rect,
     /// Distance between neighbouring samples on a surface facing the camera (m).
     pub(super) spacing_m: f64,
+    /// The same (px).
+    pub(super) stride: f64,
 }
 
 impl Segment<'_> {
+    /// Whether the image ends where this side of the box is.
+    pub(super) fn is_cut_by_image(&self, side: BoxSide) -> bool {
+        side.of(&self.image) - side.of(&self.rect) < BORDER_PX
+    }
+
+    /// Whether a point is where the image cuts the object.
+    pub(super) fn is_at_image_border(&self, p: &SurfacePoint) -> bool {
+        BoxSide::ALL.into_iter().any(|side| {
+            let to_border = side.of(&self.image) - side.outwards(f64::from(p.u), f64::from(p.v));
+            self.is_cut_by_image(side) && to_border < 2.0 * BORDER_PX + self.stride
+        })
+    }
+
+    /// From the camera to the middle of the points; a unit vector.
+    pub(super) fn direction(&self) -> Vector3<f64> {
+        let sum = self.points.iter().map(|p| p.at.coords).sum::<Vector3<f64>>();
+        sum / sum.norm().max(1e-9)
+    }
+
+    /// What is no deeper than this is one face and nothing else (m).
+    pub(super) fn sheet_m(&self) -> f64 {
+        let noise = self.points.iter().map(|p| p.sigma_m).sum::<f64>() / self.points.len() as f64;
+        SHEET_SIGMAS * noise + SHEET_M
+    }
+
     /// From the lowest to the highest point (m).
     pub(super) fn height_m(&self) -> f64 {
         let heights = || self.points.iter().map(|p| p.at.z);
@@ -109,12 +143,8 @@ pub(super) fn segment<'a>(
     let stands_on_top = |p: &SurfacePoint| {
         top.is_some_and(|plane| plane.height_of(&p.at) > margin_m(plane, p, settings))
     };
-    let mut free: Vec<SurfacePoint> = crop
-        .points
-        .iter()
-        .filter(|p| !stands_on_top(p) && !others.iter().any(|s| lies_on(s, p, settings)))
-        .copied()
-        .collect();
+    let mut free = crop.off_planes(&others, settings);
+    free.retain(|p| !stands_on_top(p));
     let mut first = crop.main_cluster(&free, settings).ok_or(Refused::NoCluster)?;
     // In a corner there are two walls.
     for _ in 0..2 {
@@ -142,17 +172,30 @@ pub(super) fn segment<'a>(
     if overlap < settings.min_box_overlap {
         return Err(Refused::FillsTooLittle { overlap });
     }
+    // What a detector sees of an object it bounds: points farther out belong to the next thing.
+    let bound = BoxSide::widened(&crop.rect);
+    points.retain(|p| p.is_in(&bound));
     if points.len() < enough {
         return Err(Refused::TooFewPoints { got: points.len(), needed: enough });
     }
     add_normals(frame, &mut points, crop.stride);
-    Ok(Segment { spacing_m: crop.spacing_m(&points), points, support, rect: crop.rect })
+    let stride = f64::from(crop.stride);
+    let spacing_m = crop.spacing_m(&points);
+    Ok(Segment { spacing_m, stride, points, support, rect: crop.rect, image: crop.image })
 }
+
+/// Of one face both ends are found within so many standard deviations of the depth,
+const SHEET_SIGMAS: f64 = 2.0;
+/// its own relief aside (m).
+const SHEET_M: f64 = 0.02;
+/// Boxes that end this near to the image's border are cut by it (px).
+const BORDER_PX: f64 = 4.0;
 
 /// The sampled pixels of a box.
 struct Crop {
     points: Vec<SurfacePoint>,
     rect: Rect,
+    image: Rect,
     stride: i32,
     focal_px: f64,
 }
@@ -167,7 +210,10 @@ impl Crop {
         let (mx, my) = (settings.box_margin * rect.width(), settings.box_margin * rect.height());
         let inside = Rect::new(rect.x_min - mx, rect.y_min - my, rect.x_max + mx, rect.y_max + my)
             .and_then(|r| r.clipped(width, height));
-        let (Some(inside), Some(clipped)) = (inside, rect.clipped(width, height)) else {
+        let image = Rect::new(0.0, 0.0, f64::from(width) - 1.0, f64::from(height) - 1.0);
+        let (Some(inside), Some(clipped), Some(image)) =
+            (inside, rect.clipped(width, height), image)
+        else {
             return Err(Refused::OutsideImage);
         };
         let stride = (clipped.area() / settings.max_points as f64).sqrt().ceil().max(1.0) as i32;
@@ -183,7 +229,38 @@ impl Crop {
                 }
             }
         }
-        Ok(Self { points, rect: clipped, stride, focal_px: frame.camera().focal().0 })
+        Ok(Self { points, rect: clipped, image, stride, focal_px: frame.camera().focal().0 })
+    }
+
+    /// The points that lie on none of the planes. Noise lifts one in a hundred readings off its plane; these are few
+    /// among many that lie on it, unlike the readings of something low that stands there.
+    fn off_planes(
+        &self,
+        planes: &[&SupportPlane],
+        settings: &SegmentationSettings,
+    ) -> Vec<SurfacePoint> {
+        let columns = (self.image.x_max as i32 / self.stride + 3) as usize;
+        let cell = |p: &SurfacePoint| {
+            (p.v / self.stride + 1) as usize * columns + (p.u / self.stride + 1) as usize
+        };
+        let rows = (self.image.y_max as i32 / self.stride + 3) as usize;
+        let mut is_off = vec![false; columns * rows];
+        let on = |p: &SurfacePoint, margins: f64| {
+            planes.iter().any(|plane| lies_on(plane, p, margins, settings))
+        };
+        let off: Vec<SurfacePoint> = self.points.iter().filter(|p| !on(p, 1.0)).copied().collect();
+        for p in &off {
+            is_off[cell(p)] = true;
+        }
+        let company = |p: &SurfacePoint| {
+            let at = cell(p);
+            [at - columns, at, at + columns]
+                .iter()
+                .flat_map(|row| [row - 1, *row, row + 1])
+                .filter(|i| is_off[*i])
+                .count()
+        };
+        off.into_iter().filter(|p| company(p) >= COMPANY || !on(p, WEAK_MARGINS)).collect()
     }
 
     fn spacing_m(&self, points: &[SurfacePoint]) -> f64 {
@@ -276,17 +353,10 @@ fn is_flying(frame: &Frame<'_>, u: i32, v: i32) -> bool {
 /// An object's own seat, mattress or top is a horizontal plane too: one that ends where the box ends, with more of
 /// the object below it.
 fn is_part_of_object(plane: &SupportPlane, crop: &Crop) -> bool {
-    let r = &crop.rect;
-    let (mx, my) = (0.1 * r.width(), 0.1 * r.height());
-    let inside = plane
-        .inliers
-        .iter()
-        .filter(|p| {
-            let (u, v) = (f64::from(p.u), f64::from(p.v));
-            u > r.x_min - mx && u < r.x_max + mx && v > r.y_min - my && v < r.y_max + my
-        })
-        .count();
-    if (inside as f64) < OWN_PLANE_SHARE * plane.inliers.len() as f64 {
+    // Another table of the same height may be part of the plane: what counts is how it goes on round the box.
+    let inside = count_in(plane, &crop.rect, 0.1);
+    let near = count_in(plane, &crop.rect, OWN_PLANE_RING);
+    if inside < MIN_OWN_PLANE || (inside as f64) < OWN_PLANE_SHARE * near as f64 {
         return false;
     }
     // A keyboard's top is a plane 3 cm above the next one.
@@ -296,7 +366,20 @@ fn is_part_of_object(plane: &SupportPlane, crop: &Crop) -> bool {
     10 * crop.points.iter().filter(is_below).count() > crop.points.len()
 }
 
+/// Points of a plane in a box that is widened by a share of its sides.
+fn count_in(plane: &SupportPlane, rect: &Rect, share: f64) -> usize {
+    let (mx, my) = (share * rect.width(), share * rect.height());
+    let is_in = |p: &&GridPoint| {
+        let (u, v) = (f64::from(p.u), f64::from(p.v));
+        u > rect.x_min - mx && u < rect.x_max + mx && v > rect.y_min - my && v < rect.y_max + my
+    };
+    plane.inliers.iter().filter(is_in).count()
+}
+
 const OWN_PLANE_SHARE: f64 = 0.7;
+/// How far round the box its plane must have ended, as a share of its sides.
+const OWN_PLANE_RING: f64 = 0.4;
+const MIN_OWN_PLANE: usize = 6;
 /// What lies this much lower, noise aside, is not the same plane (m).
 const OWN_PLANE_STEP_M: f64 = 0.01;
 
@@ -306,8 +389,13 @@ fn margin_m(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationS
 }
 
 /// Whether a point belongs to a plane: near it, and where the plane was seen.
-fn lies_on(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationSettings) -> bool {
-    if plane.height_of(&point.at).abs() > margin_m(plane, point, settings) {
+fn lies_on(
+    plane: &SupportPlane,
+    point: &SurfacePoint,
+    margins: f64,
+    settings: &SegmentationSettings,
+) -> bool {
+    if plane.height_of(&point.at).abs() > margins * margin_m(plane, point, settings) {
         return false;
     }
     // Inliers are in the order of the image's rows.
@@ -317,6 +405,10 @@ fn lies_on(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationSe
 }
 
 const NEAR_PX: i32 = 10;
+/// Up to so many margins from a plane a point may be one that noise has lifted off,
+const WEAK_MARGINS: f64 = 2.0;
+/// unless so many of the nine samples round it, itself included, are off the plane.
+const COMPANY: usize = 4;
 
 /// The highest plane that the cluster stands on: below its centre, next to it, and with nothing of it underneath.
 fn supporting_plane<'a>(

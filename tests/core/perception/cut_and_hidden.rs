@@ -64,6 +64,9 @@ fn a_side_outside_the_image_is_not_seen() {
     let axis = left / 2;
     let sigmas = size_sigmas(&m);
     assert!(sigmas[axis] > 0.04, "{sigmas}");
+    // The back of a couch may be outside the image: what was seen of the top is not all of it.
+    assert_eq!(m.sides[5], Side::Cut, "{:?}", m.sides);
+    assert!(sigmas.z > 0.02, "{sigmas}");
     let e = in_world(&m, &view, scene.thing(chest));
     // It is seen from the side, 27 mm a sample: grazing stretches samples along the view, not across.
     let right_end = e.center().y - e.semi_axes.y;
@@ -106,4 +109,25 @@ fn a_side_behind_something_else_is_hidden() {
     assert!(matches!(m.sides[left], Side::Hidden | Side::Mirrored | Side::Cut), "{:?}", m.sides);
     assert_eq!(m.sides[face_towards(&m, &view, -Vector3::y())], Side::Seen);
     assert!(size_sigmas(&m)[left / 2] > 0.03, "{}", size_sigmas(&m));
+}
+
+/// A handle, or leaves: the detector sees them, the depth camera does not.
+#[test]
+fn a_part_without_depth_readings_reaches_as_far_as_the_box() {
+    const HANDLE_M: f64 = 0.25;
+    let mut scene = Scene::with_floor();
+    let body = scene.add(standing(0.6, [2.4, 0.0, 0.3], [0.2, 0.15, 0.3]));
+    let view = scene.seen_from(&looking([0.0, 0.0, 1.1], 0.0, 15.0));
+    let mut whole = scene.clone();
+    let handle = whole.add(standing(0.6, [2.4, 0.0, 0.6], [0.01, 0.01, HANDLE_M]));
+    let upper = whole.seen_from(&looking([0.0, 0.0, 1.1], 0.0, 15.0)).box_around(handle).y_min;
+    let rect = ellipsoid_slam::geometry::Rect { y_min: upper, ..view.box_around(body) };
+    let m = super::estimate_box(&view, "thing", rect).unwrap();
+    let e = in_world(&m, &view, scene.thing(body));
+    let top = e.center().z + e.semi_axes.z;
+    assert_eq!(m.sides[5], Side::Outline, "{:?}", m.sides);
+    // The box does not tell whether the front or the back of the object is so high: 0.15 m of 2.4 m.
+    assert!((top - 0.6 - HANDLE_M).abs() < 0.06, "{top}");
+    let sigma = 2.0 * size_sigmas(&m).z;
+    assert!(sigma > 0.02, "{sigma}");
 }
