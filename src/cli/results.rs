@@ -36,7 +36,7 @@ pub(super) const MAP_FRAME: &str = "map";
 pub(super) struct Results {
     folder: PathBuf,
     bag: BagWriter,
-    poses: Vec<(Stamp, Pose)>,
+    poses: Vec<FramePose>,
     path_length_written: usize,
     children: BTreeSet<String>,
 }
@@ -82,7 +82,7 @@ impl Results {
         odom_frame: &str,
         base_frame: &str,
     ) -> Result<(), BagError> {
-        self.poses.push((pose.stamp, pose.map_from_base));
+        self.poses.push(*pose);
         let transform = |frame_id: &str, child: &str, parent_from_child: Pose| StampedTransform {
             stamp: pose.stamp,
             frame_id: frame_id.into(),
@@ -111,9 +111,14 @@ impl Results {
         Ok(())
     }
 
+    /// The poses as they were published at the time.
+    fn live(&self) -> Vec<(Stamp, Pose)> {
+        self.poses.iter().map(|pose| (pose.stamp, pose.map_from_base)).collect()
+    }
+
     fn write_path(&mut self, stamp: Stamp) -> Result<(), BagError> {
         self.path_length_written = self.poses.len();
-        let message = path(&self.poses, stamp, MAP_FRAME);
+        let message = path(&self.live(), stamp, MAP_FRAME);
         self.bag.write("/ellipsoid_slam/path", &message, stamp)
     }
 
@@ -141,16 +146,17 @@ impl Results {
         timing_csv: &str,
         summary_json: &str,
     ) -> anyhow::Result<()> {
-        if let Some((stamp, _)) = self.poses.last().copied() {
-            self.write_path(stamp)?;
+        let poses = self.poses.iter().map(|pose| (pose.stamp, slam.map_from_base(pose)));
+        let trajectory: Vec<(Stamp, Pose)> = poses.collect();
+        if let Some((stamp, _)) = trajectory.last().copied() {
+            self.bag.write("/ellipsoid_slam/path", &path(&trajectory, stamp, MAP_FRAME), stamp)?;
             let markers = object_markers(slam.objects(), stamp, MAP_FRAME);
             self.bag.write("/ellipsoid_slam/markers", &markers, stamp)?;
         }
-        let trajectory = trajectory_text(&self.poses);
         let texts = [
             ("map.json", map_json(slam.objects(), MAP_FRAME)?),
-            ("trajectory.tum", trajectory.clone()),
-            ("trajectory_live.tum", trajectory),
+            ("trajectory.tum", trajectory_text(&trajectory)),
+            ("trajectory_live.tum", trajectory_text(&self.live())),
             ("timing.csv", timing_csv.to_owned()),
             ("summary.json", summary_json.to_owned()),
         ];

@@ -155,6 +155,12 @@ impl Graph {
         self.terms.iter().flatten().count()
     }
 
+    /// Forgets what was added and removed since the last update.
+    pub fn discard(&mut self) {
+        let staged = std::mem::take(&mut self.staged);
+        self.forget(&staged);
+    }
+
     /// Solves with what was added and removed since the last time: one Gauss-Newton step on what changed, damped until
     /// the true cost does not rise. Kaess et al. 2012, algorithm 8.
     ///
@@ -451,6 +457,10 @@ impl Graph {
                 term.restore(linearized);
             }
         }
+        self.forget(staged);
+    }
+
+    fn forget(&mut self, staged: &Staged) {
         staged.factors.iter().for_each(|factor| self.unlink(*factor));
         for variable in &staged.variables {
             self.nodes[*variable as usize].removed = true;

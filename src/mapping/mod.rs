@@ -1,11 +1,16 @@
-//! Memory: which measurement belongs to which object, and what all of them say together.
+//! Memory: which measurement belongs to which object, and which factors poses and objects give the graph.
 
 mod association;
-mod fusion;
+mod initial;
 mod object;
 mod objects;
+mod observation;
+mod odometry;
+mod slam_settings;
+mod views;
 
 pub use association::{Association, GateSettings};
-pub use fusion::FusionSettings;
 pub use object::{MapObject, ObjectId};
-pub use objects::{MappingSettings, ObjectMap, Observation};
+pub use objects::{MappingSettings, ObjectMap, Sighted};
+pub use observation::{Measured, ObservedBox, Observation, Sighting};
+pub use slam_settings::{BoxOutline, KernelShape, SlamSettings, Weighting};

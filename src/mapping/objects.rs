@@ -1,18 +1,18 @@
-//! The map of objects.
+//! The map: objects and poses in one graph.
 
 use super::{
-    Association, FusionSettings, GateSettings, MapObject, ObjectId, association::associate,
-    fusion::Estimate,
+    Association, GateSettings, MapObject, Observation, ObjectId, Sighting, SlamSettings,
+    association::associate, initial::InitialViews, odometry::Chain,
 };
 use crate::{
-    geometry::{Ellipsoid, Outline},
+    geometry::{Ellipsoid, Pose},
+    graph::{Graph, PoseId},
     time::Stamp,
 };
-use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How the map is kept.
+/// Which measurements are one object.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MappingSettings {
@@ -23,8 +23,6 @@ pub struct MappingSettings {
     pub association: Association,
     /// Which measurements belong together.
     pub gate: GateSettings,
-    /// How they are fused.
-    pub fusion: FusionSettings,
 }
 
 impl Default for MappingSettings {
@@ -33,89 +31,179 @@ impl Default for MappingSettings {
             min_observations: 3,
             association: Association::default(),
             gate: GateSettings::default(),
-            fusion: FusionSettings::default(),
         }
     }
 }
 
-/// A measurement in the map frame.
-#[derive(Clone, Debug)]
-pub struct Observation {
-    /// The detector's labels with their probabilities, most probable first.
-    pub labels: Vec<(String, f64)>,
-    /// Identity given with the detection.
-    pub track: Option<u64>,
-    /// The measured ellipsoid in the map frame.
-    pub ellipsoid: Ellipsoid,
-    /// Covariance of `[rotation, translation, log semi-axes]`.
-    pub covariance: SMatrix<f64, 9, 9>,
-    /// What fills the object's extents.
-    pub outline: Outline,
-    /// `P_e` of the paper.
-    pub probability: f64,
-    /// Height of its support plane in the map frame (m).
-    pub support_height_m: Option<f64>,
-}
-
-/// All objects, in the order in which they were first seen.
-#[derive(Clone, Debug, Default)]
+/// All objects, in the order in which they were first seen, and the poses they were seen from.
+#[derive(Debug)]
 pub struct ObjectMap {
+    settings: MappingSettings,
+    slam: SlamSettings,
+    graph: Graph,
+    chain: Chain,
     objects: Vec<MapObject>,
+    /// What was seen too seldom to be an object, where only boxes count.
+    initial: BTreeMap<u64, InitialViews>,
     last_id: u64,
 }
 
+/// What came of a sighting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sighted {
+    /// The object of each observation, in order; none where it was left out.
+    pub objects: Vec<Option<ObjectId>>,
+    /// Why the graph could not use the sighting, if it could not.
+    pub refused: Option<String>,
+}
+
 impl ObjectMap {
-    /// Joins the measurements of one keyframe and returns the object of each, in order; none where identities are
-    /// given and a measurement has none.
-    pub fn observe(
-        &mut self,
-        stamp: Stamp,
-        observations: &[Observation],
-        settings: &MappingSettings,
-    ) -> Vec<Option<ObjectId>> {
-        let nearest = match settings.association {
-            Association::Automatic => self.nearest(observations, &settings.gate),
-            Association::Given => vec![None; observations.len()],
-        };
-        let mut ids = Vec::with_capacity(observations.len());
-        for (observation, nearest) in observations.iter().zip(nearest) {
-            let found = match (settings.association, observation.track) {
-                (Association::Automatic, _) => nearest,
-                (Association::Given, Some(track)) => {
-                    self.objects.iter().position(|object| object.track == Some(track))
-                }
-                (Association::Given, None) => {
-                    ids.push(None);
-                    continue;
-                }
-            };
-            let object = match found {
-                Some(at) => &mut self.objects[at],
-                None => self.add(stamp, observation),
-            };
-            if found.is_some() {
-                object.estimate.update(
-                    &observation.ellipsoid,
-                    &observation.covariance,
-                    &settings.fusion,
-                );
-            }
-            object.join(stamp, observation);
-            ids.push(Some(object.id));
+    /// An empty map.
+    pub fn new(settings: MappingSettings, slam: SlamSettings) -> Self {
+        Self {
+            settings,
+            slam,
+            graph: Graph::new(slam.solver),
+            chain: Chain::default(),
+            objects: Vec::new(),
+            initial: BTreeMap::new(),
+            last_id: 0,
         }
-        ids
     }
 
-    /// The object of each measurement by label and distance.
-    fn nearest(&self, observations: &[Observation], gate: &GateSettings) -> Vec<Option<usize>> {
-        let measured: Vec<(&str, Ellipsoid)> =
-            observations.iter().map(|o| (o.labels[0].0.as_str(), o.ellipsoid)).collect();
-        associate(&self.objects, &measured, gate)
+    /// Joins what one keyframe saw: decides what it is and which factors it gives. Liao et al. 2020, section V.
+    pub fn observe(&mut self, sighting: &Sighting) -> Sighted {
+        let (before, keyframes) = (self.objects.clone(), self.chain.len());
+        match self.join(sighting) {
+            Ok(objects) => Sighted { objects, refused: None },
+            Err(refused) => {
+                self.graph.discard();
+                self.objects = before;
+                self.chain.truncate(keyframes);
+                let objects = vec![None; sighting.observations.len()];
+                Sighted { objects, refused: Some(refused.to_string()) }
+            }
+        }
+    }
+
+    fn join(
+        &mut self,
+        sighting: &Sighting,
+    ) -> Result<Vec<Option<ObjectId>>, Box<dyn std::error::Error>> {
+        let Sighting { stamp, odom_from_base, odometry_covariance, observations } = sighting;
+        let covariance = odometry_covariance.as_deref();
+        let at = (*stamp, odom_from_base);
+        let (pose, keyframe_from_base) =
+            self.chain.keyframe(&mut self.graph, at, covariance, &self.slam)?;
+        let map_from_base = self.graph.pose(pose) * keyframe_from_base;
+        let mut found = self.associated(observations, &map_from_base);
+        for (observation, found) in observations.iter().zip(&mut found) {
+            if found.is_none() {
+                *found = self.begin(*stamp, observation, (pose, &keyframe_from_base))?;
+            }
+            let Some(at) = *found else { continue };
+            let object = &mut self.objects[at];
+            object.join(*stamp, observation, &map_from_base);
+            object.tie(&mut self.graph, observation, (pose, &keyframe_from_base), &self.slam)?;
+        }
+        self.graph.update()?;
+        self.refresh(found.iter().copied().flatten());
+        Ok(found.into_iter().map(|at| at.map(|at| self.objects[at].id)).collect())
+    }
+
+    /// The object of each observation, as far as there is one.
+    fn associated(&self, observations: &[Observation], map_from_base: &Pose) -> Vec<Option<usize>> {
+        if self.settings.association == Association::Given {
+            let known = |track| self.objects.iter().position(|o| o.track == Some(track));
+            return observations.iter().map(|o| o.track.and_then(known)).collect();
+        }
+        let measured = observations.iter().enumerate().filter_map(|(at, o)| {
+            let ellipsoid = o.measured.as_ref()?.ellipsoid.transformed(map_from_base);
+            Some((at, (o.labels[0].0.as_str(), ellipsoid)))
+        });
+        let (places, measured): (Vec<usize>, Vec<(&str, Ellipsoid)>) = measured.unzip();
+        let mut found = vec![None; observations.len()];
+        for (at, object) in places.iter().zip(associate(&self.objects, &measured, &self.settings.gate)) {
+            found[*at] = object;
+        }
+        found
+    }
+
+    /// A new object, if the observation suffices for one.
+    fn begin(
+        &mut self,
+        stamp: Stamp,
+        observation: &Observation,
+        (pose, keyframe_from_base): (PoseId, &Pose),
+    ) -> Result<Option<usize>, Box<dyn std::error::Error>> {
+        if self.settings.association == Association::Given && observation.track.is_none() {
+            return Ok(None);
+        }
+        let map_from_base = self.graph.pose(pose) * keyframe_from_base;
+        let initial = match &observation.measured {
+            Some(measured) if self.slam.observations => measured.ellipsoid.transformed(&map_from_base),
+            // Boxes alone make an object once there are enough of them, if it is known that they belong together.
+            _ => {
+                let Some(track) = observation.track.filter(|_| self.slam.boxes) else {
+                    return Ok(None);
+                };
+                let views = self.initial.entry(track).or_default();
+                let place = (pose, *keyframe_from_base);
+                match views.add(&self.graph, place, observation) {
+                    Some(initial) => initial,
+                    None => return Ok(None),
+                }
+            }
+        };
+        self.last_id += 1;
+        let id = ObjectId(self.last_id);
+        let mut object =
+            MapObject::new(id, stamp, observation, (self.graph.add_ellipsoid(initial), &initial));
+        let only_boxes = observation.measured.is_none() || !self.slam.observations;
+        object.found(&mut self.graph, &initial, only_boxes, &self.slam)?;
+        if let Some(views) = observation.track.and_then(|track| self.initial.remove(&track)) {
+            for (place, view) in views.earlier() {
+                object.join(stamp, view, &map_from_base);
+                object.tie(&mut self.graph, view, (place.0, &place.1), &self.slam)?;
+            }
+        }
+        self.objects.push(object);
+        Ok(Some(self.objects.len() - 1))
+    }
+
+    /// Takes over what the graph says now.
+    fn refresh(&mut self, seen: impl Iterator<Item = usize>) {
+        self.objects.iter_mut().for_each(|object| object.take_estimate(&self.graph));
+        for at in seen {
+            self.objects[at].take_covariance(&self.graph, &self.slam);
+        }
+    }
+
+    /// Solves everything once more and computes all covariances: what ends a run.
+    pub fn finish(&mut self) {
+        // OK because every update has succeeded before: there is nothing new that could be undetermined.
+        let _ = self.graph.optimize(MAX_FINAL_ITERATIONS, FINAL_DECREASE);
+        self.refresh(0..self.objects.len());
+    }
+
+    /// What corrects odometry now: `map_from_odom`.
+    pub fn map_from_odom(&self) -> Pose {
+        self.chain.map_from_odom(&self.graph)
+    }
+
+    /// What corrects odometry at a time when there were so many keyframes, after all that is known now.
+    pub fn map_from_odom_at(&self, stamp: Stamp, keyframes: usize) -> Pose {
+        self.chain.map_from_odom_at(&self.graph, stamp, keyframes)
+    }
+
+    /// Poses in the graph.
+    pub fn keyframes(&self) -> usize {
+        self.chain.len()
     }
 
     /// Objects with enough measurements, in the order in which they were first seen.
-    pub fn confirmed(&self, settings: &MappingSettings) -> impl Iterator<Item = &MapObject> {
-        let needed = settings.min_observations;
+    pub fn confirmed(&self) -> impl Iterator<Item = &MapObject> {
+        let needed = self.settings.min_observations;
         self.objects.iter().filter(move |o| o.observations >= needed)
     }
 
@@ -123,43 +211,7 @@ impl ObjectMap {
     pub fn all(&self) -> &[MapObject] {
         &self.objects
     }
-
-    fn add(&mut self, stamp: Stamp, first: &Observation) -> &mut MapObject {
-        self.last_id += 1;
-        self.objects.push(MapObject {
-            id: ObjectId(self.last_id),
-            track: first.track,
-            outline: first.outline,
-            observations: 0,
-            first_seen: stamp,
-            last_seen: stamp,
-            support_height_m: None,
-            support_heights: 0,
-            estimate: Estimate::new(&first.ellipsoid, &first.covariance),
-            votes: BTreeMap::new(),
-            doubt: 1.0,
-        });
-        let last = self.objects.len() - 1;
-        &mut self.objects[last]
-    }
 }
 
-impl MapObject {
-    fn join(&mut self, stamp: Stamp, observation: &Observation) {
-        self.observations += 1;
-        self.last_seen = self.last_seen.max(stamp);
-        self.doubt = (self.doubt * (1.0 - 0.5 * observation.probability)).max(MIN_DOUBT);
-        for (label, probability) in &observation.labels {
-            *self.votes.entry(label.clone()).or_default() += probability;
-        }
-        if let Some(height) = observation.support_height_m {
-            self.support_heights += 1;
-            let weight = 1.0 / f64::from(self.support_heights);
-            let known = self.support_height_m.unwrap_or(height);
-            self.support_height_m = Some(known + weight * (height - known));
-        }
-    }
-}
-
-/// Detectors and depth can always be wrong together.
-const MIN_DOUBT: f64 = 1e-3;
+const MAX_FINAL_ITERATIONS: usize = 20;
+const FINAL_DECREASE: f64 = 1e-6;

@@ -2,7 +2,7 @@
 
 use super::SyncSettings;
 use crate::{
-    mapping::MappingSettings,
+    mapping::{MappingSettings, SlamSettings},
     perception::{DepthNoise, PerceptionSettings},
 };
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,8 @@ pub struct Settings {
     pub depth_noise: DepthNoise,
     /// Single-frame estimation.
     pub perception: PerceptionSettings,
-    /// Association and fusion.
+    /// Association.
     pub mapping: MappingSettings,
+    /// The graph of poses and objects.
+    pub slam: SlamSettings,
 }

@@ -5,8 +5,11 @@ use super::{
     sync::{Moment, Sync},
 };
 use crate::{
-    geometry::{Camera, Pose},
-    mapping::{MapObject, ObjectId, ObjectMap, Observation},
+    geometry::{Camera, Pose, Rect},
+    graph::BoxSide,
+    mapping::{
+        MapObject, Measured, ObjectId, ObjectMap, Observation, ObservedBox, Sighting, SlamSettings,
+    },
     perception::{
         DepthImage, Detection, EllipsoidMeasurement, Frame, Rays, Refused, Stage, StageObserver,
         estimate_frame, register_depth,
@@ -31,10 +34,12 @@ pub struct Update {
 pub struct FramePose {
     /// Stamp of the depth image.
     pub stamp: Stamp,
-    /// Pose of the base in the map.
+    /// Pose of the base in the map, as it is known at this time.
     pub map_from_base: Pose,
     /// Pose of the base in the odometry's frame.
     pub odom_from_base: Pose,
+    /// How many keyframes the map had at this time.
+    pub keyframes: usize,
 }
 
 /// What one image and its boxes gave.
@@ -75,7 +80,8 @@ impl ObjectSlam {
     /// An empty map.
     pub fn new(settings: Settings) -> Self {
         let sync = Sync::new(settings.sync.clone());
-        Self { settings, sync, map: ObjectMap::default(), color_rays: None, depth_rays: None }
+        let map = ObjectMap::new(settings.mapping, settings.slam);
+        Self { settings, sync, map, color_rays: None, depth_rays: None }
     }
 
     /// Takes one message and does what it makes possible.
@@ -91,13 +97,19 @@ impl ObjectSlam {
     pub fn finish(&mut self, observer: &mut dyn StageObserver) -> Update {
         let mut update = Update::default();
         self.work(true, &mut update, observer);
+        self.map.finish();
         update.dropped.extend(self.sync.leftovers());
         update
     }
 
     /// Objects seen often enough, in the order in which they were first seen.
     pub fn objects(&self) -> impl Iterator<Item = &MapObject> {
-        self.map.confirmed(&self.settings.mapping)
+        self.map.confirmed()
+    }
+
+    /// Where the base was at a pose of an earlier [`Update`], after all that is known now.
+    pub fn map_from_base(&self, pose: &FramePose) -> Pose {
+        self.map.map_from_odom_at(pose.stamp, pose.keyframes) * pose.odom_from_base
     }
 
     /// The odometry's fixed frame and the base frame.
@@ -107,21 +119,21 @@ impl ObjectSlam {
 
     fn work(&mut self, last: bool, update: &mut Update, observer: &mut dyn StageObserver) {
         while let Some(mut moment) = self.sync.next(last, &mut update.dropped) {
-            // Poses come from odometry: the map frame is the odometry's.
-            let map_from_base = moment.odom_from_base;
-            update.poses.push(FramePose {
-                stamp: moment.depth.stamp,
-                map_from_base,
-                odom_from_base: moment.odom_from_base,
-            });
+            let (stamp, odom_from_base) = (moment.depth.stamp, moment.odom_from_base);
             if let Some(detections) = moment.detections.take() {
-                let keyframe = self.keyframe(moment, detections, observer);
+                let keyframe = self.keyframe(moment, detections, &mut update.dropped, observer);
                 observer.enter(None);
                 match keyframe {
                     Ok(keyframe) => update.keyframes.push(keyframe),
                     Err(dropped) => update.dropped.push(dropped),
                 }
             }
+            update.poses.push(FramePose {
+                stamp,
+                map_from_base: self.map.map_from_odom() * odom_from_base,
+                odom_from_base,
+                keyframes: self.map.keyframes(),
+            });
         }
     }
 
@@ -130,11 +142,12 @@ impl ObjectSlam {
         &mut self,
         moment: Moment,
         detections: Vec<Detection>,
+        dropped: &mut Vec<Dropped>,
         observer: &mut dyn StageObserver,
     ) -> Result<Keyframe, Dropped> {
         let stamp = moment.depth.stamp;
-        let map_from_camera = moment.odom_from_base * moment.base_from_camera;
-        let up_in_camera = map_from_camera.rotation.inverse() * Vector3::z_axis();
+        let odom_from_camera = moment.odom_from_base * moment.base_from_camera;
+        let up_in_camera = odom_from_camera.rotation.inverse() * Vector3::z_axis();
 
         observer.enter(Some(Stage::Registration));
         let depth = self.depth_in_color(moment.depth, &moment.color, moment.registration)?;
@@ -143,19 +156,27 @@ impl ObjectSlam {
         let estimate = estimate_frame(&frame, &detections, &self.settings.perception, observer);
 
         observer.enter(Some(Stage::Mapping));
-        let observations: Vec<Observation> = detections
-            .iter()
-            .zip(&estimate.objects)
-            .filter_map(|(d, found)| Some(in_map(d, found.as_ref().ok()?, &map_from_camera)))
-            .collect();
-        let mut ids = self.map.observe(stamp, &observations, &self.settings.mapping).into_iter();
+        let camera = &moment.color.camera;
+        let seen = detections.iter().zip(&estimate.objects).map(|(detection, found)| Observation {
+            labels: detection.hypotheses().to_vec(),
+            track: detection.track,
+            outline: self.settings.perception.classes.prior(detection.label()).outline,
+            sides: observed_box(detection, camera, &moment.base_from_camera, &self.settings.slam),
+            measured: found.as_ref().ok().map(|m| in_base(m, &moment.base_from_camera)),
+        });
+        let sighted = self.map.observe(&Sighting {
+            stamp,
+            odom_from_base: moment.odom_from_base,
+            odometry_covariance: moment.odometry_covariance,
+            observations: seen.collect(),
+        });
+        dropped.extend(sighted.refused.map(|why| Dropped { stamp, reason: "graph", why }));
+        let map_from_camera = self.map.map_from_odom() * odom_from_camera;
         let boxes = detections
             .into_iter()
             .zip(estimate.objects)
-            .map(|(detection, measurement)| {
-                let object = measurement.as_ref().ok().and_then(|_| ids.next().flatten());
-                BoxResult { detection, measurement, object }
-            })
+            .zip(sighted.objects)
+            .map(|((detection, measurement), object)| BoxResult { detection, measurement, object })
             .collect();
         let camera_height_m = map_from_camera.translation.z;
         let support_heights_m = estimate
@@ -204,25 +225,39 @@ fn rays_of<'a>(cache: &'a mut Option<Rays>, camera: &Camera) -> &'a Rays {
     cache.get_or_insert_with(|| Rays::new(camera.clone()))
 }
 
-/// A measurement as the map wants it. Liao et al. 2020, eq. (12).
-fn in_map(
-    detection: &Detection,
-    measurement: &EllipsoidMeasurement,
-    map_from_camera: &Pose,
-) -> Observation {
-    let ellipsoid = measurement.ellipsoid.transformed(map_from_camera);
-    let support_height_m = measurement.support.map(|plane| {
-        let plane = plane.transformed(map_from_camera);
-        let center = ellipsoid.center();
-        center.z - plane.signed_distance(&center) / plane.normal.z
-    });
-    Observation {
-        labels: detection.hypotheses().to_vec(),
-        track: detection.track,
-        ellipsoid,
+/// A measurement in the frame of the base. Liao et al. 2020, eq. (12).
+fn in_base(measurement: &EllipsoidMeasurement, base_from_camera: &Pose) -> Measured {
+    Measured {
+        ellipsoid: measurement.ellipsoid.transformed(base_from_camera),
         covariance: measurement.covariance,
-        outline: measurement.outline,
         probability: measurement.probability.combined(),
-        support_height_m,
+        support: measurement.support.map(|plane| plane.transformed(base_from_camera)),
+    }
+}
+
+/// The sides of a box that lie inside the image, as directions.
+fn observed_box(
+    detection: &Detection,
+    camera: &Camera,
+    base_from_camera: &Pose,
+    settings: &SlamSettings,
+) -> ObservedBox {
+    let Rect { x_min, y_min, x_max, y_max } = detection.rect;
+    let (u, v) = detection.rect.center();
+    let ((fx, fy), border) = (camera.focal(), settings.box_border_px);
+    let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
+    let sigma = |extent: f64| settings.box_sigma_px.hypot(settings.box_sigma_ratio * extent);
+    let (sigma_x, sigma_y) =
+        (sigma(detection.rect.width()) / fx, sigma(detection.rect.height()) / fy);
+    let inside = |at: f64, end: f64| at > border && at < end - border;
+    let side = |is_inside: bool, at: f64, sigma: f64| is_inside.then_some(BoxSide { at, sigma });
+    ObservedBox {
+        base_from_camera: *base_from_camera,
+        sides: [
+            side(inside(x_min, right), camera.ray(x_min, v).x, sigma_x),
+            side(inside(y_min, bottom), camera.ray(u, y_min).y, sigma_y),
+            side(inside(x_max, right), camera.ray(x_max, v).x, sigma_x),
+            side(inside(y_max, bottom), camera.ray(u, y_max).y, sigma_y),
+        ],
     }
 }

@@ -50,6 +50,8 @@ pub(super) struct Moment {
     /// The depth camera and `color_from_depth`, where depth has to be registered.
     pub(super) registration: Option<(CameraMessage, Pose)>,
     pub(super) odom_from_base: Pose,
+    /// Of the odometry's reading nearest in time, where it came with one.
+    pub(super) odometry_covariance: Option<Box<[f64; 36]>>,
     pub(super) base_from_camera: Pose,
 }
 
@@ -82,7 +84,20 @@ struct Odometry {
     frame_id: String,
     child_frame_id: String,
     history: History,
+    /// Of the latest readings, as they came.
+    covariances: VecDeque<(Stamp, Box<[f64; 36]>)>,
 }
+
+impl Odometry {
+    fn covariance_at(&self, stamp: Stamp) -> Option<Box<[f64; 36]>> {
+        let apart = |reading: &&(Stamp, _)| reading.0.seconds_since(stamp).abs();
+        let nearest = self.covariances.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        Some(nearest.1.clone())
+    }
+}
+
+/// Covariances kept: ten seconds at 100 Hz, as long as an image may wait for its boxes.
+const MAX_COVARIANCES: usize = 1000;
 
 impl Sync {
     pub(super) fn new(settings: SyncSettings) -> Self {
@@ -167,6 +182,7 @@ impl Sync {
         });
         if let Some(odometry) = &mut self.odometry {
             odometry.history.jump_back(jump);
+            odometry.covariances.retain(|(stamp, _)| !jump.is_before(*stamp));
         }
         self.transforms.jump_back(jump);
     }
@@ -176,8 +192,13 @@ impl Sync {
             frame_id: message.frame_id.clone(),
             child_frame_id: message.child_frame_id.clone(),
             history: History::changing(),
+            covariances: VecDeque::new(),
         });
         odometry.history.push(message.stamp, message.odom_from_base);
+        odometry.covariances.extend(message.covariance.map(|c| (message.stamp, c)));
+        while odometry.covariances.len() > MAX_COVARIANCES {
+            odometry.covariances.pop_front();
+        }
     }
 
     /// The next depth image for which nothing more is to be waited for. With `last`, nothing more will come.
@@ -209,6 +230,7 @@ impl Sync {
                         color: poses.color,
                         registration: poses.registration,
                         odom_from_base: poses.odom_from_base,
+                        odometry_covariance: poses.odometry_covariance,
                         base_from_camera: poses.base_from_camera,
                     });
                 }
@@ -316,7 +338,8 @@ impl Sync {
             }
         };
         let base_from_camera = self.lookup(base, &color.frame_id, stamp)?;
-        Ok(Poses { color, registration, odom_from_base, base_from_camera })
+        let odometry_covariance = self.odometry.as_ref().and_then(|o| o.covariance_at(stamp));
+        Ok(Poses { color, registration, odom_from_base, odometry_covariance, base_from_camera })
     }
 
     fn lookup(&self, to: &str, from: &str, at: Stamp) -> Result<Pose, Unknown> {
@@ -351,6 +374,7 @@ struct Poses {
     color: CameraMessage,
     registration: Option<(CameraMessage, Pose)>,
     odom_from_base: Pose,
+    odometry_covariance: Option<Box<[f64; 36]>>,
     base_from_camera: Pose,
 }
 

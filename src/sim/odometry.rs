@@ -36,8 +36,10 @@ pub(super) fn readings(
     for pair in world_from_base.windows(2) {
         let true_step = pair[0].inverse() * pair[1];
         let noise = StepNoise::of(&true_step, settings);
-        covariance = noise.propagated(&covariance, &odom_from_base, &true_step);
-        odom_from_base *= noise.measured(&true_step, settings, &mut random);
+        let measured = noise.measured(&true_step, settings, &mut random);
+        // Odometry knows only what it measured: its covariance is carried on by that.
+        covariance = noise.propagated(&covariance, &odom_from_base, &measured);
+        odom_from_base *= measured;
         readings.push(reading(odom_from_base, &covariance, settings));
     }
     readings

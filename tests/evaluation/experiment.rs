@@ -32,7 +32,7 @@ fn the_same_command_gives_the_same_bytes() {
     let names: Vec<&str> = first.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
         names,
-        ["experiments.json", "experiments.md", "experiments_huber.svg", "experiments_views.svg"]
+        ["experiments.json", "experiments.md", "experiments_eps_z.svg", "experiments_views.svg"]
     );
     assert_eq!(first, files(&folder.join("second")));
     // What is printed is what is written.

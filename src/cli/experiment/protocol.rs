@@ -72,6 +72,7 @@ impl Protocol {
     /// Changes settings to what the protocol gives.
     pub(super) fn change(&self, settings: &mut Settings) {
         settings.mapping.association = self.association;
+        settings.slam.optimize_poses = self.poses == Poses::Drifting;
         if self.association == Association::Given {
             // What comes with an identity is no chance cluster of false boxes: it counts from its first view on.
             settings.mapping.min_observations = 1;

@@ -2,6 +2,7 @@
 
 use super::protocol::Protocol;
 use crate::{
+    mapping::{BoxOutline, KernelShape, Weighting},
     perception::{FitModel, SymmetryType},
     pipeline::Settings,
 };
@@ -43,6 +44,30 @@ pub(super) const ROWS: &[Row] = &[
         output: Output::SingleFrames,
     },
     Row {
+        key: "quadric-slam",
+        name: "QuadricSLAM (boxes and support planes)",
+        change: |settings, _| {
+            settings.slam.observations = false;
+            by_the_paper(settings);
+        },
+        output: Output::Map,
+    },
+    Row {
+        key: "do",
+        name: "DO (depth only)",
+        change: |settings, _| {
+            by_the_paper(settings);
+            settings.slam.boxes = false;
+        },
+        output: Output::Map,
+    },
+    Row {
+        key: "dwb",
+        name: "DwB (depth with boxes)",
+        change: |settings, _| by_the_paper(settings),
+        output: Output::Map,
+    },
+    Row {
         key: "quadric-fit",
         name: "ours, fit of eq. (7)",
         change: |settings, _| settings.perception.fit = FitModel::Quadric,
@@ -52,6 +77,18 @@ pub(super) const ROWS: &[Row] = &[
         key: "asymmetric",
         name: "ours, without symmetry",
         change: |settings, _| forget_symmetry(settings),
+        output: Output::Map,
+    },
+    Row {
+        key: "ours-boxes",
+        name: "ours, with box factors",
+        change: |settings, _| settings.slam.boxes = true,
+        output: Output::Map,
+    },
+    Row {
+        key: "ours-huber",
+        name: "ours, with Huber's kernel",
+        change: |settings, _| settings.slam.kernel = KernelShape::Huber,
         output: Output::Map,
     },
     Row { key: OURS, name: "ours", change: |_, _| (), output: Output::Map },
@@ -66,6 +103,19 @@ pub(super) fn row(key: &str) -> Result<&'static Row, String> {
         let keys: Vec<&str> = ROWS.iter().map(|row| row.key).collect();
         format!("there is no such row; there are {}", keys.join(", "))
     })
+}
+
+/// The paper's form of every part that a setting chooses: the fit of eq. (7), boxes round ellipses, `eps_z P_e` for all
+/// components alike.
+fn by_the_paper(settings: &mut Settings) {
+    settings.perception.fit = FitModel::Quadric;
+    settings.slam.boxes = true;
+    settings.slam.support = true;
+    settings.slam.box_outline = BoxOutline::Ellipsoid;
+    settings.slam.box_sigma_px = 1.0;
+    settings.slam.box_sigma_ratio = 0.0;
+    settings.slam.weighting = Weighting::Paper;
+    settings.slam.kernel = KernelShape::Huber;
 }
 
 fn forget_symmetry(settings: &mut Settings) {

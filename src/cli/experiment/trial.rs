@@ -13,7 +13,7 @@ use crate::{
     },
     geometry::{Ellipsoid, OrientedBox, Pose},
     mapping::{Association, MapObject},
-    pipeline::{ObjectSlam, Settings, Update},
+    pipeline::{FramePose, ObjectSlam, Settings, Update},
     time::Stamp,
 };
 use std::collections::BTreeMap;
@@ -62,7 +62,7 @@ pub(super) fn run(
 struct Record {
     truth: GroundTruth,
     protocol: Protocol,
-    poses: Vec<(Stamp, Pose)>,
+    poses: Vec<FramePose>,
     /// True object and object of the map of each box that was joined, in the order of time.
     joined: Vec<(u64, u64)>,
     by_object: BTreeMap<u64, Views>,
@@ -83,7 +83,7 @@ impl Record {
     }
 
     fn take(&mut self, update: &Update, slam: &ObjectSlam) {
-        self.poses.extend(update.poses.iter().map(|pose| (pose.stamp, pose.map_from_base)));
+        self.poses.extend(&update.poses);
         for keyframe in &update.keyframes {
             for result in &keyframe.boxes {
                 let Some(track) = result.detection.track else { continue };
@@ -137,12 +137,14 @@ impl Record {
         let ate = |poses: &[(Stamp, Pose)]| {
             evaluate_trajectory(poses, &truth).ok().map(|scores| scores.ate_m.rmse)
         };
+        let optimised: Vec<_> =
+            self.poses.iter().map(|pose| (pose.stamp, slam.map_from_base(pose))).collect();
         trial.add([
             (Metric::Precision, scores.precision),
             (Metric::Duplicates, Some(scores.duplicates as f64)),
             (Metric::IdSwitchesPer200, IdSwitches::count(self.joined.iter().copied()).per_200()),
             (Metric::Within90, scores.calibration.within_90),
-            (Metric::AteM, ate(&self.poses)),
+            (Metric::AteM, ate(&optimised)),
             (Metric::OdometryAteM, ate(&rendered.odometry_poses(&self.protocol))),
         ]);
         if self.protocol.association == Association::Given {

@@ -1,6 +1,9 @@
-use super::{Covariance, by_faces, independent, map_of, observation, only};
+use super::{Covariance, by_faces, independent, map_of, map_with, observation, only, slam_settings};
 use crate::geometry::{pose_distance, upright_pose};
-use ellipsoid_slam::geometry::{Ellipsoid, Pose, yaw_of};
+use ellipsoid_slam::{
+    geometry::{Ellipsoid, Pose, yaw_of},
+    mapping::{KernelShape, SlamSettings},
+};
 use nalgebra::{SMatrix, SymmetricEigen, Vector3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -35,6 +38,13 @@ fn assert_covariance(covariance: &Covariance) {
     assert!(smallest > 0.0, "smallest eigenvalue {smallest}");
 }
 
+/// Heading, centre and size; that objects are upright is known better than it was measured. What keeps every object
+/// determined, and poses held to a tenth of a milliradian, may change a percent.
+fn assert_same_covariance(a: &Covariance, b: &Covariance) {
+    let of = |c: &Covariance| c.fixed_view::<7, 7>(2, 2).into_owned();
+    assert!((of(a) - of(b)).norm() < 0.02 * of(b).norm(), "{a} instead of {b}");
+}
+
 #[test]
 fn many_noisy_views_come_near_the_truth() {
     let (truth, sigma) = (cabinet(), 0.04);
@@ -43,17 +53,18 @@ fn many_noisy_views_come_near_the_truth() {
         let e = noisy(&truth, &mut rng, sigma);
         observation("cabinet", e, independent(&e, sigma, sigma, sigma))
     });
-    let map = map_of(views.collect::<Vec<_>>());
+    let slam = SlamSettings { optimize_poses: false, ..SlamSettings::default() };
+    let map = map_with(slam, views.collect::<Vec<_>>());
     let object = only(&map);
     let got = object.ellipsoid();
-    // The mean of 60 has an error of 0.005 m a coordinate; three of them, doubled for the floor.
-    assert!((got.center() - truth.center()).norm() < 0.02);
-    assert!((got.semi_axes - truth.semi_axes).norm() < 0.02);
+    // 16 views from one direction are all that is kept: 0.01 m a coordinate, of which there are three.
+    assert!((got.center() - truth.center()).norm() < 0.03);
+    assert!((got.semi_axes - truth.semi_axes).norm() < 0.03);
     assert!((yaw_of(&got.pose) - 0.4).abs() < 0.02);
     assert_covariance(&object.covariance());
-    // Similar views are wrong alike: 60 of them do not make the sigma 0.
-    assert!(object.covariance()[(3, 3)].sqrt() >= 0.005);
-    assert!(object.covariance()[(3, 3)].sqrt() < 0.5 * sigma, "but better than one view");
+    // Similar views are wrong alike: with a correlation of a half, many are worth two.
+    let reported = object.covariance()[(3, 3)].sqrt();
+    assert!(reported > 0.7 * sigma && reported < 0.8 * sigma, "{reported}");
 }
 
 #[test]
@@ -88,7 +99,8 @@ fn a_better_measurement_counts_more() {
         observation("cabinet", moved, independent(&e, 0.05, 0.06, 0.03)),
     ]);
     // A quarter of the information: a fifth of the way.
-    assert!((only(&map).ellipsoid().center().z - 0.42).abs() < 1e-9);
+    // The pose is held to a tenth of a millimetre.
+    assert!((only(&map).ellipsoid().center().z - 0.42).abs() < 1e-4);
 }
 
 #[test]
@@ -101,7 +113,8 @@ fn one_wild_view_does_not_ruin_the_estimate() {
     );
     let mut views = vec![view(truth); 5];
     views.push(view(wild));
-    let map = map_of(views);
+    let slam = SlamSettings { kernel: KernelShape::Cauchy, ..slam_settings() };
+    let map = map_with(slam, views);
     let got = only(&map).ellipsoid();
     assert!((got.center() - truth.center()).norm() < 0.02);
     assert!((got.semi_axes - truth.semi_axes).norm() < 0.02);
@@ -128,7 +141,7 @@ fn the_longer_axis_comes_first_with_its_own_covariance() {
     let object = only(&map);
     assert!((object.ellipsoid().semi_axes - Vector3::new(0.5, 0.2, 0.4)).norm() < 1e-9);
     assert!((object.ellipsoid().dual_quadric() - e.dual_quadric()).norm() < 1e-9);
-    assert!((object.covariance() - renamed(&covariance, 1)).norm() < 1e-9);
+    assert_same_covariance(&object.covariance(), &renamed(&covariance, 1));
 }
 
 #[test]
@@ -136,7 +149,7 @@ fn the_reported_covariance_is_the_measured_one_after_one_view() {
     let e = cabinet();
     let covariance = by_faces(&e, 0.07, [0.01, 0.2, 0.03, 0.04, 0.02, 0.05]);
     let map = map_of([observation("cabinet", e, covariance)]);
-    assert!((only(&map).covariance() - covariance).norm() < 1e-9);
+    assert_same_covariance(&only(&map).covariance(), &covariance);
 }
 
 proptest! {
@@ -186,7 +199,7 @@ proptest! {
         let (here, there) = (only(&here), only(&there));
         let expected = here.ellipsoid().transformed(&motion);
         prop_assert!(pose_distance(&expected.pose, &there.ellipsoid().pose) < 1e-7);
-        prop_assert!((here.covariance() - there.covariance()).norm() < 1e-9);
+        assert_same_covariance(&here.covariance(), &there.covariance());
     }
 }
 

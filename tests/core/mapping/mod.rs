@@ -4,14 +4,18 @@ mod association;
 mod fusion;
 
 use ellipsoid_slam::{
-    geometry::{Ellipsoid, Outline},
-    mapping::{MapObject, MappingSettings, ObjectMap, Observation},
+    geometry::{Ellipsoid, Outline, Pose},
+    mapping::{
+        KernelShape, MapObject, MappingSettings, Measured, ObjectId, ObjectMap, Observation, ObservedBox, Sighting,
+        SlamSettings,
+    },
     time::Stamp,
 };
 use nalgebra::SMatrix;
 
 pub(crate) type Covariance = SMatrix<f64, 9, 9>;
 
+/// Seen from the origin of the map, without a box.
 pub(crate) fn observation(
     label: &str,
     ellipsoid: Ellipsoid,
@@ -20,11 +24,9 @@ pub(crate) fn observation(
     Observation {
         track: None,
         labels: vec![(label.into(), 0.9)],
-        ellipsoid,
-        covariance,
         outline: Outline::Cuboid,
-        probability: 0.7,
-        support_height_m: None,
+        sides: ObservedBox { base_from_camera: Pose::identity(), sides: [None; 4] },
+        measured: Some(Measured { ellipsoid, covariance, probability: 0.7, support: None }),
     }
 }
 
@@ -53,13 +55,50 @@ pub(crate) fn by_faces(e: &Ellipsoid, heading: f64, faces: [f64; 6]) -> Covarian
     covariance
 }
 
-/// A map after these measurements, one a second.
-pub(crate) fn map_of(observations: impl IntoIterator<Item = Observation>) -> ObjectMap {
-    let mut map = ObjectMap::default();
-    for (second, observation) in observations.into_iter().enumerate() {
-        map.observe(Stamp::from_secs(second as f64), &[observation], &MappingSettings::default());
+/// Poses are given and every view counts in full: no kernel, no floors.
+pub(crate) fn slam_settings() -> SlamSettings {
+    SlamSettings {
+        optimize_poses: false,
+        kernel: KernelShape::Quadratic,
+        similar_views_correlation: 0.0,
+        min_position_sigma_m: 0.0,
+        min_size_sigma_m: 0.0,
+        min_heading_sigma_deg: 0.0,
+        ..SlamSettings::default()
     }
+}
+
+/// A map after these observations from one place, one a second.
+pub(crate) fn map_of(observations: impl IntoIterator<Item = Observation>) -> ObjectMap {
+    map_with(slam_settings(), observations)
+}
+
+pub(crate) fn map_with(
+    slam: SlamSettings,
+    observations: impl IntoIterator<Item = Observation>,
+) -> ObjectMap {
+    let mut map = ObjectMap::new(MappingSettings::default(), slam);
+    for (second, observation) in observations.into_iter().enumerate() {
+        observe(&mut map, second as f64, vec![observation]);
+    }
+    map.finish();
     map
+}
+
+/// Joins what is seen from the origin; which objects it is.
+pub(crate) fn observe(
+    map: &mut ObjectMap,
+    second: f64,
+    observations: Vec<Observation>,
+) -> Vec<Option<ObjectId>> {
+    let sighted = map.observe(&Sighting {
+        stamp: Stamp::from_secs(second),
+        odom_from_base: Pose::identity(),
+        odometry_covariance: None,
+        observations,
+    });
+    assert_eq!(sighted.refused, None);
+    sighted.objects
 }
 
 pub(crate) fn only(map: &ObjectMap) -> &MapObject {

@@ -1,0 +1,58 @@
+//! What a keyframe brings to the map.
+
+use crate::{
+    geometry::{Ellipsoid, Outline, Plane, Pose},
+    graph::BoxSide,
+    time::Stamp,
+};
+use nalgebra::SMatrix;
+
+/// Where the robot was and what it saw.
+#[derive(Clone, Debug)]
+pub struct Sighting {
+    /// When.
+    pub stamp: Stamp,
+    /// Pose of the base, by odometry.
+    pub odom_from_base: Pose,
+    /// Its covariance as in `geometry_msgs/PoseWithCovariance`, where odometry says it.
+    pub odometry_covariance: Option<Box<[f64; 36]>>,
+    /// One for each box.
+    pub observations: Vec<Observation>,
+}
+
+/// What was seen of one object.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    /// The detector's labels with their probabilities, most probable first.
+    pub labels: Vec<(String, f64)>,
+    /// Identity given with the detection.
+    pub track: Option<u64>,
+    /// What fills the extents of objects of this class.
+    pub outline: Outline,
+    /// The detector's box.
+    pub sides: ObservedBox,
+    /// The ellipsoid of this one frame, if there is one.
+    pub measured: Option<Measured>,
+}
+
+/// A detector's box in undistorted normalised image coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct ObservedBox {
+    /// Where the camera is on the robot.
+    pub base_from_camera: Pose,
+    /// Left, upper, right, lower; nothing for a side that the border of the image cuts.
+    pub sides: [Option<BoxSide>; 4],
+}
+
+/// A single-frame ellipsoid.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// In the frame of the base.
+    pub ellipsoid: Ellipsoid,
+    /// Covariance of `[rotation, translation, log semi-axes]`, a right perturbation in the object's frame.
+    pub covariance: SMatrix<f64, 9, 9>,
+    /// `P_e` of the paper.
+    pub probability: f64,
+    /// The plane it stands on, in the frame of the base.
+    pub support: Option<Plane>,
+}

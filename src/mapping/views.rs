@@ -1,0 +1,58 @@
+//! The views that an object was measured from, and what similar ones are worth together.
+
+use super::SlamSettings;
+use crate::graph::{EllipsoidObservation, FactorId, Graph, NoiseError};
+use nalgebra::Point3;
+use std::collections::BTreeMap;
+
+/// Factors of one object by the direction it was seen from.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Views {
+    sectors: BTreeMap<i64, Vec<View>>,
+}
+
+#[derive(Clone, Debug)]
+struct View {
+    /// With all the information that the measurement claims.
+    factor: EllipsoidObservation,
+    in_graph: FactorId,
+}
+
+impl Views {
+    /// Adds a measurement that was made from `eye`, both in the object's frame.
+    ///
+    /// Measurements from one direction see the same side and are wrong alike: if their errors have correlation `rho`,
+    /// `n` of them are worth `n / (1 + (n - 1) rho)` independent ones. So each gets that share of its information,
+    /// which shrinks for all of them as they become more. To save work it is set anew only when their number doubles,
+    /// and a direction that has [`MAX_SIMILAR`] of them has nothing more to say.
+    pub(super) fn add(
+        &mut self,
+        graph: &mut Graph,
+        eye: &Point3<f64>,
+        factor: EllipsoidObservation,
+        settings: &SlamSettings,
+    ) -> Result<(), NoiseError> {
+        let bearing = eye.y.atan2(eye.x) / settings.similar_views_deg.to_radians();
+        let sector = self.sectors.entry(bearing.round() as i64).or_default();
+        let share = |count: usize| {
+            let expected = count.next_power_of_two() as f64;
+            1.0 / (1.0 + (expected - 1.0) * settings.similar_views_correlation)
+        };
+        if sector.len() >= MAX_SIMILAR {
+            return Ok(());
+        }
+        let now = share(sector.len() + 1);
+        if now < share(sector.len().max(1)) {
+            for view in sector.iter_mut() {
+                graph.remove_factor(view.in_graph);
+                view.in_graph = graph.add_factor(view.factor.clone().scaled(now)?);
+            }
+        }
+        let in_graph = graph.add_factor(factor.clone().scaled(now)?);
+        sector.push(View { factor, in_graph });
+        Ok(())
+    }
+}
+
+/// With a correlation of a half, that many views are worth 1.9 independent ones, and all that could follow 2.
+const MAX_SIMILAR: usize = 16;
