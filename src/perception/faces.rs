@@ -5,39 +5,14 @@
 //! means that the end is hidden. What was not seen gets little information, not wrong information.
 
 use super::{
-    ClassPrior, Frame, Sight,
+    ClassPrior, Frame, Side, Sight,
     end::{Blur, end_of},
     footprint::quantile,
     segmentation::{Segment, SurfacePoint},
     silhouette::BoxSide,
 };
+use crate::geometry::Outline;
 use nalgebra::{Isometry3, Point3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
-
-/// How the position of a face is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Side {
-    /// Its edge stands out against what is behind.
-    Seen,
-    /// It rests on the support plane.
-    Support,
-    /// The mirror image of a face that was seen.
-    Mirrored,
-    /// Nothing was seen of it but that the detector's box reaches so far.
-    Outline,
-    /// The object goes on: cut by the box, or by another object's border.
-    Cut,
-    /// Behind the object itself, behind another one or outside the image.
-    Hidden,
-}
-
-impl Side {
-    /// Whether the face's position was measured.
-    pub fn is_known(self) -> bool {
-        matches!(self, Side::Seen | Side::Support | Side::Mirrored | Side::Outline)
-    }
-}
 
 /// One face, by its coordinate along the outward direction.
 #[derive(Clone, Copy, Debug)]
@@ -167,19 +142,32 @@ impl Faces {
         let extents: [f64; 3] = std::array::from_fn(|axis| self.extent_m(axis));
         let is_open =
             |axis: usize| self.faces[2 * axis..2 * axis + 2].iter().any(|f| !f.side.is_known());
-        // Where both ends are open, it is not even known which side is the longer one.
-        let ambiguous = is_open(0) && is_open(1);
-        let usual = prior.size_m.map(|size| usual_extents(size, &extents));
+        // Where both are open and neither is longer than the shorter usual one, it is not known which is which.
+        let ambiguous = prior.size_m.filter(|[_, short, _]| {
+            let is_short = |axis: usize| extents[axis] < SHORT_SHARE * short;
+            is_open(0) && is_open(1) && is_short(0) && is_short(1)
+        });
+        let usual = match ambiguous {
+            Some([long, short, height]) => {
+                Some([0.5 * (long + short), 0.5 * (long + short), height])
+            }
+            None => prior.size_m.map(|size| usual_extents(size, &extents)),
+        };
+        let unclear_m = ambiguous.map_or(0.0, |[long, short, _]| 0.5 * (long - short));
+        let round_m = self.diameter_m(prior);
         // The bottom is settled by what the object stands on.
         for i in [0, 1, 2, 3, 5] {
             let axis = i / 2;
             let across = extents[(axis + 1) % 3].min(extents[(axis + 2) % 3]);
             let (guess, sigma_m) = match (self.faces[i].side, usual) {
                 (side, _) if side.is_known() => continue,
+                _ if axis < 2 && round_m.is_some() => {
+                    let diameter_m = round_m.unwrap_or_default();
+                    (diameter_m - extents[axis], ROUND_SPREAD * diameter_m)
+                }
                 (_, Some(usual)) => {
-                    let unclear =
-                        if ambiguous && axis < 2 { 0.5 * (usual[0] - usual[1]) } else { 0.0 };
-                    (usual[axis] - extents[axis], (SIZE_SPREAD * usual[axis]).hypot(unclear))
+                    let unclear_m = if axis < 2 { unclear_m } else { 0.0 };
+                    (usual[axis] - extents[axis], (SIZE_SPREAD * usual[axis]).hypot(unclear_m))
                 }
                 (Side::Hidden, None) => {
                     let beyond = HIDDEN_SHARE * across.max(0.5 * extents[axis]);
@@ -187,14 +175,24 @@ impl Faces {
                 }
                 (_, None) => (CUT_SHARE * extents[axis], 0.15 * extents[axis]),
             };
+            let least_m = if axis < 2 && round_m.is_some() { 0.0 } else { MIN_GUESS_SIGMA_M };
             let sharing =
                 self.faces[axis * 2..axis * 2 + 2].iter().filter(|f| !f.side.is_known()).count();
             let face = &mut self.faces[i];
             let guess = guess.max(0.0) / sharing.max(1) as f64;
             face.position_m += guess;
             face.guessed_m += guess;
-            face.sigma_m = face.sigma_m.hypot(sigma_m).max(0.05);
+            face.sigma_m = face.sigma_m.hypot(sigma_m).max(least_m);
         }
+    }
+
+    /// How wide something round is, if both its ends along one horizontal axis are known (m).
+    fn diameter_m(&self, prior: &ClassPrior) -> Option<f64> {
+        let is_round = matches!(prior.outline, Outline::Cylinder | Outline::Ellipsoid);
+        let is_closed = |axis: &usize| {
+            self.faces[2 * axis..2 * axis + 2].iter().all(|face| face.side.is_known())
+        };
+        (0..2).find(is_closed).filter(|_| is_round).map(|axis| self.extent_m(axis))
     }
 
     /// The class's usual extents along the axes (m).
@@ -412,6 +410,7 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
             side: Side::Hidden,
             guessed_m: missing,
         },
+        Side::Cut => Face { sigma_m: lowest.sigma_m.hypot(CUT_BOTTOM_SHARE * height), ..lowest },
         // It stands on something that is not a plane of its own, or hangs.
         _ => lowest,
     }
@@ -448,5 +447,13 @@ const SUPPORT_REACH_M: f64 = 0.05;
 const LEGS_SIGMA_M: f64 = 0.02;
 /// Objects of one class differ in size by about this share.
 const SIZE_SPREAD: f64 = 0.25;
+/// What is longer than this share of the shorter usual extent is the longer side.
+const SHORT_SHARE: f64 = 1.15;
+/// Round things have handles and leaves: their two widths differ by about this share.
+const ROUND_SPREAD: f64 = 0.25;
+/// Guesses are not better than this (m).
+const MIN_GUESS_SIGMA_M: f64 = 0.05;
+/// What is below a bottom that the box cuts off, as a share of the height.
+const CUT_BOTTOM_SHARE: f64 = 0.25;
 const HIDDEN_SHARE: f64 = 0.3;
 const CUT_SHARE: f64 = 0.1;

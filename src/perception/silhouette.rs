@@ -293,8 +293,8 @@ const BOX_SIGMA_SHARE: f64 = 0.015;
 /// What is missing is more than noise.
 const TELLING_SIGMAS: f64 = 2.0;
 /// The box tells how far the object reaches, but not whether all of that belongs to one face.
-const AMBIGUITY: f64 = 0.35;
-const MIN_SIGMA_M: f64 = 0.01;
+const AMBIGUITY: f64 = 0.5;
+const MIN_SIGMA_M: f64 = 0.015;
 /// No face is missed by more than this share of the object.
 const MAX_GROWTH: f64 = 1.0;
 /// Objects seldom grow by more than this share.

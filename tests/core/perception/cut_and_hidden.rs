@@ -131,3 +131,13 @@ fn a_part_without_depth_readings_reaches_as_far_as_the_box() {
     let sigma = 2.0 * size_sigmas(&m).z;
     assert!(sigma > 0.02, "{sigma}");
 }
+
+/// A guess is as wrong in the next frame as in this one; a graph must not count it twice.
+#[test]
+fn similar_views_share_more_of_a_guess_than_of_a_measurement() {
+    for side in [Side::Seen, Side::Support, Side::Mirrored, Side::Outline] {
+        for guess in [Side::Cut, Side::Hidden] {
+            assert!(side.common_share() < guess.common_share(), "{side:?}");
+        }
+    }
+}
