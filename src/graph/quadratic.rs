@@ -17,6 +17,11 @@ impl Quadratic {
         Self { variables, packed: Vec::new() }
     }
 
+    /// Whether it says nothing yet.
+    pub(super) fn is_empty(&self) -> bool {
+        self.packed.is_empty()
+    }
+
     /// Over `variables` from the lower triangle of the symmetric `augmented = [[H, b], [bᵀ, ·]]` that starts at row
     /// and column `first`.
     pub(super) fn from_augmented(

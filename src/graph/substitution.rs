@@ -5,8 +5,8 @@ use super::{SolverSettings, bayes_tree::BayesTree, bayes_tree::Clique, node::Nod
 /// The outcome of a back-substitution.
 #[derive(Debug, Default)]
 pub(super) struct Solved {
-    /// Each variable whose solution changed, with what it was.
-    pub(super) before: Vec<(u32, Tangent)>,
+    /// Each variable that was solved for, with what its solution was and what was known of it.
+    pub(super) before: Vec<(u32, Tangent, Tangent)>,
     /// Of these the ones whose change was passed on.
     pub(super) announced: Vec<u32>,
     /// By how much the cost is higher, at most, than if all changes had been passed on.
@@ -38,7 +38,7 @@ pub(super) fn solve(
             let node = &mut nodes[*variable as usize];
             let (own, others) = rest.split_at(node.dimension);
             rest = others;
-            solved.before.push((*variable, node.delta));
+            solved.before.push((*variable, node.delta, node.announced));
             let mut delta = [0.0; 9];
             delta[..own.len()].copy_from_slice(own);
             node.set_delta(delta);
