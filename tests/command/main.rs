@@ -3,6 +3,8 @@
 
 mod bad_input;
 mod configuration;
+mod environment;
+mod gtsam;
 mod python;
 mod replay;
 mod run;
