@@ -116,11 +116,13 @@ impl Graph {
 
     /// Prices the factors whose variables moved.
     fn reprice(&mut self, moved: &[u32], scope: Scope) -> Repriced {
-        let factors = moved.iter().flat_map(|v| &self.nodes[*v as usize].factors);
-        let touched = sorted(factors.copied().collect());
+        self.pricing += 1;
         let mut repriced = Repriced::default();
-        for factor in touched {
+        for factor in moved.iter().flat_map(|v| &self.nodes[*v as usize].factors).copied() {
             let Some(term) = &mut self.terms[factor as usize] else { continue };
+            if std::mem::replace(&mut term.pricing, self.pricing) == self.pricing {
+                continue;
+            }
             let old = term.price;
             let rise = old.weight * (term.model(&self.nodes) - old.model);
             if scope == Scope::Changes && rise.abs() < SMALL_CHANGE * (1.0 + old.appraised) {

@@ -1,4 +1,18 @@
 //! The graph of variables and factors, and its incremental solution.
+//!
+//! The factorised system is a Bayes tree (`bayes_tree.rs`), and an update makes only its top anew, as in iSAM2 (Kaess et
+//! al. 2012). What decides how much is done anew is different, because iSAM2's thresholds are lengths and angles, and
+//! what a millimetre is worth depends on who measured it:
+//! - **A change is passed on by what it costs to keep it** (`substitution.rs`): a variable tells those below it in the
+//!   tree when silence would raise the cost by more than a tolerance. Its stiffness, the diagonal of all information
+//!   about it, turns a change into that cost.
+//! - **Factors are linearised anew where their linear model is wrong** (`changes.rs`), as cost, and not where a variable
+//!   has moved: a rigid shift of a whole loop moves everything and makes no relative pose less linear. What a robust
+//!   kernel does to a factor's information is looked after in the same way, without linearising.
+//! - **What is free is done**: variables of the top that nothing below depends on are linearised at the estimate
+//!   whenever the top is made anew.
+//! - **A step counts when the true cost does not rise** (`descent.rs`); otherwise it is taken back and damped. iSAM2 takes
+//!   every step of Gauss-Newton, which outliers and poor initial values do not forgive.
 
 use super::{
     EllipsoidId, Factor, PoseId, SolverSettings, Variable, VariableId, VariableIds,
@@ -23,6 +37,8 @@ pub struct Graph {
     pub(super) tree: BayesTree,
     pub(super) staged: Staged,
     pub(super) stale: Stale,
+    /// Number of the round in which prices are compared.
+    pub(super) pricing: u64,
     /// Scratch space, an element a variable.
     pub(super) place: Vec<u32>,
 }

@@ -38,7 +38,8 @@ impl Node {
         }
     }
 
-    /// By how much the cost is higher, at most, as long as nobody else knows of its latest change.
+    /// By about how much the cost is higher as long as nobody else knows of its latest change: as if all others stood
+    /// still. Correlations within the variable are left out.
     pub(super) fn cost_of_silence(&self) -> f64 {
         let changes = self.delta.iter().zip(&self.announced).map(|(new, old)| new - old);
         0.5 * changes.zip(&self.stiffness).map(|(d, h)| h * d * d).sum::<f64>()
@@ -90,6 +91,8 @@ pub(super) struct Term {
     pub(super) weight: f64,
     /// At the estimate.
     pub(super) price: Price,
+    /// When it was priced, as the number of the round.
+    pub(super) pricing: u64,
 }
 
 impl Term {
@@ -101,6 +104,7 @@ impl Term {
             squared_norm: 0.0,
             weight: 0.0,
             price: Price::default(),
+            pricing: 0,
         }
     }
 

@@ -1,6 +1,11 @@
 //! From the factorised system to its solution.
 
-use super::{SolverSettings, bayes_tree::BayesTree, bayes_tree::Clique, node::Node, node::Tangent};
+use super::{
+    SolverSettings,
+    bayes_tree::{BayesTree, Clique},
+    node::{Node, Tangent},
+    quadratic::dot,
+};
 
 /// The outcome of a back-substitution.
 #[derive(Debug, Default)]
@@ -74,11 +79,7 @@ fn solve_clique(clique: &Clique, solution: &mut [f64]) {
     for column in (0..columns).rev() {
         let factor = clique.conditional.column(column);
         let factor = factor.as_slice();
-        let known: f64 = factor[column + 1..rows - 1]
-            .iter()
-            .zip(&solution[column + 1..])
-            .map(|(l, x)| l * x)
-            .sum();
+        let known = dot(&factor[column + 1..rows - 1], &solution[column + 1..]);
         solution[column] = (factor[rows - 1] - known) / factor[column];
     }
 }
