@@ -155,7 +155,10 @@ pub const KEYS: &[Key] = &[
         1e6,
         "how far odometry's own standard deviations may be from these",
     ),
-    other("slam.solver", "When the solver works again on what it has; both are costs without units."),
+    other(
+        "slam.solver",
+        "When the solver works again on what it has; both are costs without units.",
+    ),
     number(
         "slam.solver.linearization_tolerance",
         1e-9,

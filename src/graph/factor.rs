@@ -27,7 +27,7 @@ impl Linearization {
 
 /// A term of the cost: `kernel.cost(||r||^2)` with `r` whitened.
 pub trait Factor: std::fmt::Debug + Send + Sync {
-    /// The variables it ties together.
+    /// The variables it ties together, each once; their tangents have at most 18 elements together, as two ellipsoids'.
     fn variables(&self) -> &[VariableId];
 
     /// Whitened residual; `at[i]` is the value of `variables()[i]`.

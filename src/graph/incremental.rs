@@ -1,12 +1,23 @@
 //! The graph of variables and factors, and its incremental solution.
+//!
+//! The factorised system is a Bayes tree (`bayes_tree.rs`), and an update makes only its top anew, as in iSAM2 (Kaess et
+//! al. 2012). What decides how much is done anew is different, because iSAM2's thresholds are lengths and angles, and
+//! what a millimetre is worth depends on who measured it:
+//! - **A change is passed on by what it costs to keep it** (`substitution.rs`): a variable tells those below it in the
+//!   tree when silence would raise the cost by more than a tolerance. Its stiffness, the diagonal of all information
+//!   about it, turns a change into that cost.
+//! - **Factors are linearised anew where their linear model is wrong** (`changes.rs`), as cost, and not where a variable
+//!   has moved: a rigid shift of a whole loop moves everything and makes no relative pose less linear. What a robust
+//!   kernel does to a factor's information is looked after in the same way, without linearising.
+//! - **What is free is done**: variables of the top that nothing below depends on are linearised at the estimate
+//!   whenever the top is made anew.
+//! - **A step counts when the true cost does not rise** (`descent.rs`); otherwise it is taken back and damped. iSAM2 takes
+//!   every step of Gauss-Newton, which outliers and poor initial values do not forgive.
 
 use super::{
     EllipsoidId, Factor, PoseId, SolverSettings, Variable, VariableId, VariableIds,
-    bayes_tree::{BayesTree, Clique, Top},
-    elimination::{Problem, eliminate, order},
-    node::{Node, Price, Tangent, Term},
-    quadratic::Quadratic,
-    substitution::{Solved, solve},
+    bayes_tree::BayesTree,
+    node::{Node, Term},
 };
 use crate::geometry::{Ellipsoid, Pose};
 use thiserror::Error;
@@ -24,11 +35,12 @@ pub struct Graph {
     /// By factor; nothing for one that was removed.
     pub(super) terms: Vec<Option<Term>>,
     pub(super) tree: BayesTree,
-    staged: Staged,
-    /// Variables whose conditionals are damped, or that are far from where they were linearised.
-    stale: Stale,
+    pub(super) staged: Staged,
+    pub(super) stale: Stale,
+    /// Number of the round in which prices are compared.
+    pub(super) pricing: u64,
     /// Scratch space, an element a variable.
-    place: Vec<u32>,
+    pub(super) place: Vec<u32>,
 }
 
 /// Identity of a factor, never used twice in a graph.
@@ -37,18 +49,22 @@ pub struct FactorId(u32);
 
 /// What waits for the next update.
 #[derive(Clone, Debug, Default)]
-struct Staged {
-    variables: Vec<u32>,
-    factors: Vec<u32>,
-    removed_factors: Vec<u32>,
-    removed_variables: Vec<u32>,
+pub(super) struct Staged {
+    pub(super) variables: Vec<u32>,
+    pub(super) factors: Vec<u32>,
+    pub(super) removed_factors: Vec<u32>,
+    pub(super) removed_variables: Vec<u32>,
 }
 
+/// What the last step left to the next.
 #[derive(Clone, Debug, Default)]
-struct Stale {
-    damped: Vec<u32>,
-    moved: Vec<u32>,
-    reweighted: Vec<u32>,
+pub(super) struct Stale {
+    /// Variables that stopped short of the solution.
+    pub(super) damped: Vec<u32>,
+    /// Variables of factors whose linear model has become bad.
+    pub(super) moved: Vec<u32>,
+    /// Variables of factors whose weight is no longer what they were eliminated with.
+    pub(super) reweighted: Vec<u32>,
 }
 
 /// What an update did.
@@ -109,7 +125,7 @@ impl Graph {
         self.place.push(0);
     }
 
-    /// Adds a factor between variables of this graph.
+    /// Adds a factor between variables of this graph. One that is tied to a removed variable goes with it.
     pub fn add_factor(&mut self, factor: impl Factor + 'static) -> FactorId {
         let index = self.terms.len() as u32;
         self.terms.push(Some(Term::new(Box::new(factor))));
@@ -147,7 +163,7 @@ impl Graph {
 
     /// Sum of the costs of all factors at the estimate: half the squared whitened residuals, less by robust kernels.
     pub fn cost(&self) -> f64 {
-        self.terms.iter().flatten().map(|term| term.price(&self.nodes).cost).sum()
+        self.terms.iter().flatten().map(|term| term.appraise(&self.nodes).cost).sum()
     }
 
     /// Number of factors.
@@ -171,318 +187,20 @@ impl Graph {
     }
 
     pub(super) fn step(&mut self, scope: Scope) -> Result<UpdateReport, Undetermined> {
-        let staged = self.take_staged();
+        let changes = self.take_staged();
         let stale = std::mem::take(&mut self.stale);
-        let work = self.work(scope, &staged, &stale);
+        let work = self.work(scope, &changes, &stale);
         let undo = self.relinearize(&work);
         match self.eliminate(&work, 0.0) {
             Ok(cliques) => {
-                self.remove(&staged);
+                self.remove(&changes);
                 Ok(self.descend(work, cliques))
             }
             Err(variable) => {
                 self.stale = stale;
-                self.roll_back(&staged, undo);
+                self.roll_back(&changes, undo);
                 Err(Undetermined { variable: VariableId(variable) })
             }
         }
     }
 }
-
-/// What one step works on.
-struct Work {
-    top: Top,
-    variables: Vec<u32>,
-    /// All factors that are eliminated.
-    factors: Vec<u32>,
-    /// Of these the ones to be linearised first.
-    outdated: Vec<u32>,
-    moved: Vec<u32>,
-    /// To be eliminated last: the newest, and what it is tied to.
-    recent: Vec<u32>,
-}
-
-/// Costs of the factors whose variables moved.
-#[derive(Debug, Default)]
-struct Repriced {
-    before: f64,
-    after: f64,
-    /// The old prices of those that changed by more than their linear model can be trusted with.
-    old: Vec<(u32, Price)>,
-}
-
-/// What a failed step has to restore.
-struct Undo {
-    nodes: Vec<(u32, Node)>,
-    terms: Vec<(u32, (Quadratic, f64))>,
-}
-
-impl Graph {
-    /// Links the new factors to their variables and marks what is removed.
-    fn take_staged(&mut self) -> Staged {
-        let mut staged = std::mem::take(&mut self.staged);
-        for variable in &staged.removed_variables {
-            staged.removed_factors.extend(&self.nodes[*variable as usize].factors);
-        }
-        let is_gone = |f: &u32| staged.removed_factors.contains(f);
-        staged.factors.retain(|f| !is_gone(f));
-        staged.removed_factors.sort_unstable();
-        staged.removed_factors.dedup();
-        for factor in &staged.factors {
-            let Some(term) = &mut self.terms[*factor as usize] else { continue };
-            for variable in term.quadratic.variables.clone() {
-                self.nodes[variable as usize].factors.push(*factor);
-            }
-        }
-        for factor in &staged.factors {
-            self.price(*factor);
-        }
-        staged
-    }
-
-    fn work(&self, scope: Scope, staged: &Staged, stale: &Stale) -> Work {
-        let variables_of = |factors: &[u32]| -> Vec<u32> {
-            let terms = factors.iter().filter_map(|f| self.terms[*f as usize].as_ref());
-            terms.flat_map(|term| term.variables()).copied().collect()
-        };
-        let recent = variables_of(&staged.factors);
-        let is_staying = |v: &u32| !staged.removed_variables.contains(v);
-        let mut moved: Vec<u32> = match scope {
-            Scope::Changes => stale.moved.iter().copied().filter(is_staying).collect(),
-            Scope::Everything => self.alive().filter(is_staying).collect(),
-        };
-        let mut touched = recent.clone();
-        touched.extend(variables_of(&staged.removed_factors));
-        touched.extend(stale.damped.iter().chain(&stale.reweighted));
-        // A removed variable must vanish from every separator.
-        let everywhere: Vec<u32> = moved.iter().chain(&staged.removed_variables).copied().collect();
-        let top = match scope {
-            Scope::Changes => self.tree.top(&touched, &everywhere),
-            Scope::Everything => self.tree.whole(),
-        };
-        let cliques = || top.cliques.iter().map(|c| self.tree.clique(*c));
-        let frontals = cliques().flat_map(|c| c.frontals().iter().copied()).filter(is_staying);
-        let variables: Vec<u32> = frontals.chain(staged.variables.iter().copied()).collect();
-        if scope == Scope::Changes {
-            moved.extend(self.freely_movable(&top, &moved).filter(is_staying));
-        }
-        let is_gone = |f: &u32| staged.removed_factors.binary_search(f).is_ok();
-        let old = cliques().flat_map(|c| c.factors.iter().copied()).filter(|f| !is_gone(f));
-        let factors: Vec<u32> = old.chain(staged.factors.iter().copied()).collect();
-        let mut outdated = staged.factors.clone();
-        outdated.extend(moved.iter().flat_map(|v| &self.nodes[*v as usize].factors));
-        outdated.sort_unstable();
-        outdated.dedup();
-        outdated.retain(|f| !is_gone(f));
-        Work { top, variables, factors, outdated, moved, recent }
-    }
-
-    /// Variables of the top that nothing below it depends on: linearising them anew makes no clique more to eliminate.
-    fn freely_movable(&self, top: &Top, moved: &[u32]) -> impl Iterator<Item = u32> + '_ {
-        let below = top.orphans.iter().flat_map(|c| self.tree.clique(*c).separator());
-        let mut tied: Vec<u32> = below.chain(moved).copied().collect();
-        tied.sort_unstable();
-        let frontals: Vec<u32> =
-            top.cliques.iter().flat_map(|c| self.tree.clique(*c).frontals()).copied().collect();
-        frontals.into_iter().filter(move |v| {
-            let node = &self.nodes[*v as usize];
-            tied.binary_search(v).is_err() && node.delta != [0.0; 9]
-        })
-    }
-
-    fn alive(&self) -> impl Iterator<Item = u32> + '_ {
-        let is_in_tree = |v: &u32| self.tree.clique_of(*v).is_some();
-        (0..self.nodes.len() as u32).filter(is_in_tree)
-    }
-
-    /// Moves the points of linearisation to the estimate and linearises the factors there.
-    fn relinearize(&mut self, work: &Work) -> Undo {
-        let mut undo = Undo { nodes: Vec::new(), terms: Vec::new() };
-        for variable in &work.moved {
-            let node = &mut self.nodes[*variable as usize];
-            undo.nodes.push((*variable, node.clone()));
-            node.relinearize();
-        }
-        for factor in &work.outdated {
-            let Some(term) = &mut self.terms[*factor as usize] else { continue };
-            stiffen(&mut self.nodes, &term.quadratic, -1.0);
-            undo.terms.push((*factor, term.linearize(&self.nodes)));
-            stiffen(&mut self.nodes, &term.quadratic, 1.0);
-        }
-        undo
-    }
-
-    /// The cliques that take the place of the top.
-    fn eliminate(&mut self, work: &Work, damping: f64) -> Result<Vec<Clique>, u32> {
-        let mut place = std::mem::take(&mut self.place);
-        let problem = Problem {
-            nodes: &self.nodes,
-            terms: &self.terms,
-            tree: &self.tree,
-            top: &work.top,
-            variables: &work.variables,
-            factors: &work.factors,
-            damping,
-        };
-        let order = order(&problem, |v| work.recent.contains(&v), &mut place);
-        let cliques = eliminate(&problem, &order, &mut place);
-        self.place = place;
-        cliques
-    }
-
-    /// Moves the estimate to the solution, damped until the cost does not rise: Levenberg 1944, Marquardt 1963.
-    fn descend(&mut self, mut work: Work, mut cliques: Vec<Clique>) -> UpdateReport {
-        let mut damping: f64 = 0.0;
-        loop {
-            work.top.cliques = self.tree.replace(&work.top, cliques);
-            for factor in &work.factors {
-                self.terms[*factor as usize]
-                    .iter_mut()
-                    .for_each(|term| term.weight = term.price.weight);
-            }
-            let Solved { before, announced, kept_silent } =
-                solve(&self.tree, &work.top.cliques, &mut self.nodes, &self.settings);
-            let Repriced { before: cost_before, after: cost_after, old: touched } =
-                self.reprice(&announced);
-            // A comparison that a NaN fails.
-            let fell = cost_after <= cost_before + kept_silent + COST_TOLERANCE;
-            let next = (damping * 10.0).max(FIRST_DAMPING);
-            let again = if fell { None } else { self.retry(&before, &touched, &work, next) };
-            let Some(damped) = again else {
-                let tolerance = self.settings.linearization_tolerance;
-                self.stale.moved =
-                    self.variables_of(&touched, |price| price.linear_error > tolerance);
-                self.stale.reweighted =
-                    self.variables_of(&touched, |price| price.weight_error > tolerance);
-                if damping > 0.0 {
-                    self.stale.damped.clone_from(&work.variables);
-                }
-                return UpdateReport {
-                    cost_before,
-                    cost_after: if fell { cost_after } else { cost_before },
-                    eliminated: work.variables.len(),
-                    relinearized: work.moved.len(),
-                    changed: before.len(),
-                    damping,
-                };
-            };
-            (cliques, damping) = (damped, next);
-        }
-    }
-
-    /// Takes back a step that made the cost rise and eliminates with more damping; nothing when that leads nowhere.
-    fn retry(
-        &mut self,
-        before: &[(u32, Tangent)],
-        touched: &[(u32, Price)],
-        work: &Work,
-        damping: f64,
-    ) -> Option<Vec<Clique>> {
-        for (variable, delta) in before {
-            self.nodes[*variable as usize].set_delta(*delta);
-        }
-        for (factor, price) in touched {
-            self.terms[*factor as usize].iter_mut().for_each(|term| term.price = *price);
-        }
-        if damping > LAST_DAMPING {
-            return None;
-        }
-        self.eliminate(work, damping).ok()
-    }
-
-    /// Prices the factors whose variables moved.
-    fn reprice(&mut self, moved: &[u32]) -> Repriced {
-        let mut touched: Vec<u32> =
-            moved.iter().flat_map(|v| &self.nodes[*v as usize].factors).copied().collect();
-        touched.sort_unstable();
-        touched.dedup();
-        let mut repriced = Repriced::default();
-        for factor in touched {
-            let Some(term) = &self.terms[factor as usize] else { continue };
-            let old = term.price;
-            let rise = old.weight * (term.model(&self.nodes) - old.model);
-            repriced.before += old.cost;
-            if rise.abs() < SMALL_CHANGE * (1.0 + old.cost) {
-                repriced.after += old.cost + rise;
-                continue;
-            }
-            repriced.old.push((factor, self.price(factor)));
-            repriced.after += self.terms[factor as usize].iter().map(|t| t.price.cost).sum::<f64>();
-        }
-        repriced
-    }
-
-    /// The variables of those of the factors whose price has become bad.
-    fn variables_of(&self, touched: &[(u32, Price)], is_bad: impl Fn(&Price) -> bool) -> Vec<u32> {
-        let terms = touched.iter().filter_map(|(f, _)| self.terms[*f as usize].as_ref());
-        let bad = terms.filter(|term| is_bad(&term.price));
-        let mut variables: Vec<u32> = bad.flat_map(|term| term.variables()).copied().collect();
-        variables.sort_unstable();
-        variables.dedup();
-        variables
-    }
-
-    /// Prices a factor at the estimate; returns what it was.
-    fn price(&mut self, factor: u32) -> Price {
-        let Some(term) = &self.terms[factor as usize] else { return Price::default() };
-        let price = term.price(&self.nodes);
-        let Some(term) = &mut self.terms[factor as usize] else { return price };
-        std::mem::replace(&mut term.price, price)
-    }
-
-    fn remove(&mut self, staged: &Staged) {
-        for factor in &staged.removed_factors {
-            self.unlink(*factor);
-        }
-        for variable in &staged.removed_variables {
-            self.nodes[*variable as usize].removed = true;
-        }
-    }
-
-    fn unlink(&mut self, factor: u32) {
-        let Some(term) = self.terms[factor as usize].take() else { return };
-        stiffen(&mut self.nodes, &term.quadratic, -1.0);
-        for variable in term.variables() {
-            self.nodes[*variable as usize].factors.retain(|f| *f != factor);
-        }
-    }
-
-    /// As if nothing had been staged.
-    fn roll_back(&mut self, staged: &Staged, undo: Undo) {
-        for (variable, node) in undo.nodes {
-            self.nodes[variable as usize] = node;
-        }
-        for (factor, linearized) in undo.terms {
-            if let Some(term) = &mut self.terms[factor as usize] {
-                term.restore(linearized);
-            }
-        }
-        self.forget(staged);
-    }
-
-    fn forget(&mut self, staged: &Staged) {
-        staged.factors.iter().for_each(|factor| self.unlink(*factor));
-        for variable in &staged.variables {
-            self.nodes[*variable as usize].removed = true;
-        }
-    }
-}
-
-/// Adds what a factor says about its variables to their stiffness.
-fn stiffen(nodes: &mut [Node], form: &Quadratic, sign: f64) {
-    let mut diagonal = form.diagonal();
-    for variable in &form.variables {
-        let node = &mut nodes[*variable as usize];
-        let own = node.stiffness.iter_mut().take(node.dimension).zip(&mut diagonal);
-        own.for_each(|(stiffness, information)| *stiffness += sign * information);
-    }
-}
-
-/// A step may make the cost rise by this much: what changes below the thresholds of relinearisation amount to. One
-/// factor that fits well costs several times as much.
-const COST_TOLERANCE: f64 = 1e-3;
-/// As a share of one plus its cost: a smaller change of a factor's cost is taken from its linear model.
-const SMALL_CHANGE: f64 = 0.02;
-/// As information: of a standard deviation of 1 m or 1 rad, and of 0.1 mm.
-const FIRST_DAMPING: f64 = 1.0;
-const LAST_DAMPING: f64 = 1e8;

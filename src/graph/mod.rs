@@ -5,6 +5,8 @@
 
 mod batch;
 mod bayes_tree;
+mod changes;
+mod descent;
 mod elimination;
 mod factor;
 mod factors;

@@ -38,7 +38,8 @@ impl Node {
         }
     }
 
-    /// By how much the cost is higher, at most, as long as nobody else knows of its latest change.
+    /// By about how much the cost is higher as long as nobody else knows of its latest change: as if all others stood
+    /// still. Correlations within the variable are left out.
     pub(super) fn cost_of_silence(&self) -> f64 {
         let changes = self.delta.iter().zip(&self.announced).map(|(new, old)| new - old);
         0.5 * changes.zip(&self.stiffness).map(|(d, h)| h * d * d).sum::<f64>()
@@ -48,6 +49,11 @@ impl Node {
     pub(super) fn relinearize(&mut self) {
         self.linearized_at = self.estimate;
         (self.delta, self.announced) = ([0.0; 9], [0.0; 9]);
+    }
+
+    /// Whether the estimate is where the factors were linearised.
+    pub(super) fn is_at_linearization(&self) -> bool {
+        self.delta == [0.0; 9]
     }
 
     pub(super) fn set_delta(&mut self, delta: Tangent) {
@@ -60,7 +66,10 @@ impl Node {
 /// (Zhang 1997).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Price {
+    /// At the estimate; what has changed a little since the appraisal is by the linear model.
     pub(super) cost: f64,
+    /// The cost when it was last computed from the residual, and all that follows is of then.
+    pub(super) appraised: f64,
     /// Half the squared norm of the whitened residual by the linear model.
     pub(super) model: f64,
     pub(super) weight: f64,
@@ -82,6 +91,8 @@ pub(super) struct Term {
     pub(super) weight: f64,
     /// At the estimate.
     pub(super) price: Price,
+    /// When it was priced, as the number of the round.
+    pub(super) pricing: u64,
 }
 
 impl Term {
@@ -93,6 +104,7 @@ impl Term {
             squared_norm: 0.0,
             weight: 0.0,
             price: Price::default(),
+            pricing: 0,
         }
     }
 
@@ -113,13 +125,23 @@ impl Term {
         0.5 * self.squared_norm + self.quadratic.value(&delta[..size])
     }
 
-    pub(super) fn price(&self, nodes: &[Node]) -> Price {
-        let at = self.values(nodes, |node| node.estimate);
-        let squared_norm = self.factor.residual(&at).norm_squared();
+    /// The price at the estimate.
+    pub(super) fn appraise(&self, nodes: &[Node]) -> Price {
+        let variables = self.variables().iter();
+        let is_linearized_here = !self.quadratic.is_empty()
+            && variables.into_iter().all(|v| nodes[*v as usize].is_at_linearization());
+        let squared_norm = if is_linearized_here {
+            self.squared_norm
+        } else {
+            let at = self.values(nodes, |node| node.estimate);
+            self.factor.residual(&at).norm_squared()
+        };
         let (kernel, model, truth) = (self.factor.kernel(), self.model(nodes), 0.5 * squared_norm);
         let weight = kernel.weight(squared_norm);
+        let cost = kernel.cost(squared_norm);
         Price {
-            cost: kernel.cost(squared_norm),
+            cost,
+            appraised: cost,
             model,
             weight,
             linear_error: (model - truth).abs() / (1.0 + truth),
@@ -140,6 +162,16 @@ impl Term {
         augmented.view_mut((size, 0), (1, size)).copy_from(&-gradient.transpose());
         let quadratic = Quadratic::from_augmented(self.quadratic.variables.clone(), &augmented, 0);
         self.restore((quadratic, linear.residual.norm_squared()))
+    }
+
+    /// Adds what the factor says about its variables to their stiffness.
+    pub(super) fn stiffen(&self, nodes: &mut [Node], sign: f64) {
+        let mut diagonal = self.quadratic.diagonal();
+        for variable in self.variables() {
+            let node = &mut nodes[*variable as usize];
+            let own = node.stiffness.iter_mut().take(node.dimension).zip(&mut diagonal);
+            own.for_each(|(stiffness, information)| *stiffness += sign * information);
+        }
     }
 
     /// Puts back what [`Term::linearize`] returned.

@@ -1,12 +1,17 @@
 //! From the factorised system to its solution.
 
-use super::{SolverSettings, bayes_tree::BayesTree, bayes_tree::Clique, node::Node, node::Tangent};
+use super::{
+    SolverSettings,
+    bayes_tree::{BayesTree, Clique},
+    node::{Node, Tangent},
+    quadratic::dot,
+};
 
 /// The outcome of a back-substitution.
 #[derive(Debug, Default)]
 pub(super) struct Solved {
-    /// Each variable whose solution changed, with what it was.
-    pub(super) before: Vec<(u32, Tangent)>,
+    /// Each variable that was solved for, with what its solution was and what was known of it.
+    pub(super) before: Vec<(u32, Tangent, Tangent)>,
     /// Of these the ones whose change was passed on.
     pub(super) announced: Vec<u32>,
     /// By how much the cost is higher, at most, than if all changes had been passed on.
@@ -38,7 +43,7 @@ pub(super) fn solve(
             let node = &mut nodes[*variable as usize];
             let (own, others) = rest.split_at(node.dimension);
             rest = others;
-            solved.before.push((*variable, node.delta));
+            solved.before.push((*variable, node.delta, node.announced));
             let mut delta = [0.0; 9];
             delta[..own.len()].copy_from_slice(own);
             node.set_delta(delta);
@@ -74,11 +79,7 @@ fn solve_clique(clique: &Clique, solution: &mut [f64]) {
     for column in (0..columns).rev() {
         let factor = clique.conditional.column(column);
         let factor = factor.as_slice();
-        let known: f64 = factor[column + 1..rows - 1]
-            .iter()
-            .zip(&solution[column + 1..])
-            .map(|(l, x)| l * x)
-            .sum();
+        let known = dot(&factor[column + 1..rows - 1], &solution[column + 1..]);
         solution[column] = (factor[rows - 1] - known) / factor[column];
     }
 }

@@ -12,5 +12,5 @@ mod views;
 pub use association::{Association, GateSettings};
 pub use object::{MapObject, ObjectId};
 pub use objects::{MappingSettings, ObjectMap, Sighted};
-pub use observation::{Measured, ObservedBox, Observation, Sighting};
+pub use observation::{Measured, Observation, ObservedBox, Sighting};
 pub use slam_settings::{BoxOutline, KernelShape, SlamSettings, Weighting};

@@ -1,9 +1,6 @@
 //! An object of the map.
 
-use super::{
-    BoxOutline, Measured, Observation, SlamSettings, Weighting,
-    views::Views,
-};
+use super::{BoxOutline, Measured, Observation, SlamSettings, Weighting, views::Views};
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
     graph::{
@@ -179,8 +176,13 @@ impl MapObject {
                 BoxOutline::Ellipsoid => Outline::Ellipsoid,
             };
             let keyframe_from_camera = keyframe_from_base * sides.base_from_camera;
-            let factor =
-                BoxObservation::new(pose, self.variable, keyframe_from_camera, outline, sides.sides)?;
+            let factor = BoxObservation::new(
+                pose,
+                self.variable,
+                keyframe_from_camera,
+                outline,
+                sides.sides,
+            )?;
             graph.add_factor(factor.with_kernel(settings.robust_kernel()));
         }
         let support = observation.measured.as_ref().and_then(|measured| measured.support);
@@ -203,9 +205,7 @@ impl MapObject {
         let ellipsoid = measured.ellipsoid.transformed(keyframe_from_base);
         let covariance = match settings.weighting {
             Weighting::Covariance => measured.covariance,
-            Weighting::Paper => {
-                paper_covariance(&ellipsoid, measured.probability * settings.eps_z)
-            }
+            Weighting::Paper => paper_covariance(&ellipsoid, measured.probability * settings.eps_z),
         };
         let factor =
             EllipsoidObservation::new(pose, self.variable, ellipsoid, &covariance, self.outline)?;

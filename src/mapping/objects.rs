@@ -1,7 +1,7 @@
 //! The map: objects and poses in one graph.
 
 use super::{
-    Association, GateSettings, MapObject, Observation, ObjectId, Sighting, SlamSettings,
+    Association, GateSettings, MapObject, ObjectId, Observation, Sighting, SlamSettings,
     association::associate, initial::InitialViews, odometry::Chain,
 };
 use crate::{
@@ -123,7 +123,9 @@ impl ObjectMap {
         });
         let (places, measured): (Vec<usize>, Vec<(&str, Ellipsoid)>) = measured.unzip();
         let mut found = vec![None; observations.len()];
-        for (at, object) in places.iter().zip(associate(&self.objects, &measured, &self.settings.gate)) {
+        for (at, object) in
+            places.iter().zip(associate(&self.objects, &measured, &self.settings.gate))
+        {
             found[*at] = object;
         }
         found
@@ -141,7 +143,9 @@ impl ObjectMap {
         }
         let map_from_base = self.graph.pose(pose) * keyframe_from_base;
         let initial = match &observation.measured {
-            Some(measured) if self.slam.observations => measured.ellipsoid.transformed(&map_from_base),
+            Some(measured) if self.slam.observations => {
+                measured.ellipsoid.transformed(&map_from_base)
+            }
             // Boxes alone make an object once there are enough of them, if it is known that they belong together.
             _ => {
                 let Some(track) = observation.track.filter(|_| self.slam.boxes) else {

@@ -47,7 +47,8 @@ impl Chain {
             }
             Some(last) => {
                 let from = (&last.odom_from_base, last.covariance.as_deref());
-                let (noise, _) = step_covariance(from, (odom_from_base, covariance), &settings.motion);
+                let (noise, _) =
+                    step_covariance(from, (odom_from_base, covariance), &settings.motion);
                 let step = last.odom_from_base.inv_mul(odom_from_base);
                 let noise = Noise::from_covariance(&noise)?;
                 graph.add_factor(RelativePose::new(last.pose, pose, &step, noise));

@@ -5,6 +5,8 @@ mod bad_input;
 mod configuration;
 mod demo_bag;
 mod evo;
+mod environment;
+mod gtsam;
 mod python;
 mod replay;
 mod run;

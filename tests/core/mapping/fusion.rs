@@ -1,4 +1,6 @@
-use super::{Covariance, by_faces, independent, map_of, map_with, observation, only, slam_settings};
+use super::{
+    Covariance, by_faces, independent, map_of, map_with, observation, only, slam_settings,
+};
 use crate::geometry::{pose_distance, upright_pose};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Pose, yaw_of},

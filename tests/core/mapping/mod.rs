@@ -6,8 +6,8 @@ mod fusion;
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Outline, Pose},
     mapping::{
-        KernelShape, MapObject, MappingSettings, Measured, ObjectId, ObjectMap, Observation, ObservedBox, Sighting,
-        SlamSettings,
+        KernelShape, MapObject, MappingSettings, Measured, ObjectId, ObjectMap, Observation,
+        ObservedBox, Sighting, SlamSettings,
     },
     time::Stamp,
 };
