@@ -171,6 +171,15 @@ impl Graph {
         self.terms.iter().flatten().count()
     }
 
+    /// Moves the estimate of an ellipsoid to where something outside the graph knows that it is, for instance because
+    /// it began with an outlier: descent alone does not cross to another minimum of a robust cost. Takes effect with
+    /// the next update.
+    pub fn set_ellipsoid(&mut self, id: EllipsoidId, ellipsoid: Ellipsoid) {
+        let variable = VariableId::from(id);
+        self.nodes[variable.index()].estimate = Variable::Ellipsoid(ellipsoid);
+        self.stale.moved.push(variable.0);
+    }
+
     /// Forgets what was added and removed since the last update.
     pub fn discard(&mut self) {
         let staged = std::mem::take(&mut self.staged);

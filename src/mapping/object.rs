@@ -9,7 +9,7 @@ use crate::{
     },
     time::Stamp,
 };
-use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
+use nalgebra::{Point3, SMatrix, SVector, UnitQuaternion, Vector3};
 use std::{collections::BTreeMap, error::Error, fmt};
 
 /// Identity of an object, never used twice in a map.
@@ -43,6 +43,8 @@ pub struct MapObject {
     support_heights: u32,
     variable: EllipsoidId,
     views: Views,
+    /// Where single measurements saw its centre, in the map.
+    centers: Vec<Point3<f64>>,
     ellipsoid: Ellipsoid,
     covariance: SMatrix<f64, 9, 9>,
     /// Sum of the detector's probabilities by label.
@@ -69,6 +71,7 @@ impl MapObject {
             support_heights: 0,
             variable,
             views: Views::default(),
+            centers: Vec::new(),
             ellipsoid: upright(initial),
             covariance: SMatrix::identity(),
             votes: BTreeMap::new(),
@@ -214,9 +217,27 @@ impl MapObject {
             graph.add_factor(factor);
             return Ok(());
         }
+        self.begin_anew_if_wrong(graph, &ellipsoid.transformed(&graph.pose(pose)));
         let eye = graph.pose(pose).translation.vector.into();
         let eye = self.ellipsoid.pose.inverse_transform_point(&eye);
         Ok(self.views.add(graph, &eye, factor, settings)?)
+    }
+
+    /// An object that began with an outlier stays at it: the robust kernel then takes what is right for outliers. So where
+    /// more measurements are near the latest one than near the estimate, the estimate begins anew there.
+    fn begin_anew_if_wrong(&mut self, graph: &mut Graph, measured: &Ellipsoid) {
+        let center = measured.center();
+        if self.centers.len() < MAX_CENTERS {
+            self.centers.push(center);
+        }
+        let estimate = graph.ellipsoid(self.variable).center();
+        let reach = measured.semi_axes.norm();
+        let near = |place: &Point3<f64>| {
+            self.centers.iter().filter(|c| nalgebra::distance(c, place) < reach).count()
+        };
+        if nalgebra::distance(&center, &estimate) > reach && near(&center) > near(&estimate) {
+            graph.set_ellipsoid(self.variable, *measured);
+        }
     }
 
     pub(super) fn take_estimate(&mut self, graph: &Graph) {
@@ -261,6 +282,8 @@ fn paper_covariance(ellipsoid: &Ellipsoid, information: f64) -> SMatrix<f64, 9, 
     SMatrix::from_diagonal(&variances)
 }
 
+/// Measurements that are remembered to judge an object's place by.
+const MAX_CENTERS: usize = 100;
 /// Detectors and depth can always be wrong together.
 const MIN_DOUBT: f64 = 1e-3;
 /// A semi-axis that measurements disagree about must not shrink to nothing (rad, m, 1).

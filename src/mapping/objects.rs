@@ -98,6 +98,8 @@ impl ObjectMap {
         let map_from_base = self.graph.pose(pose) * keyframe_from_base;
         let mut found = self.associated(observations, &map_from_base);
         for (observation, found) in observations.iter().zip(&mut found) {
+            // Another observation of this sighting may have begun it.
+            *found = found.or_else(|| self.tracked(observation));
             if found.is_none() {
                 *found = self.begin(*stamp, observation, (pose, &keyframe_from_base))?;
             }
@@ -114,8 +116,7 @@ impl ObjectMap {
     /// The object of each observation, as far as there is one.
     fn associated(&self, observations: &[Observation], map_from_base: &Pose) -> Vec<Option<usize>> {
         if self.settings.association == Association::Given {
-            let known = |track| self.objects.iter().position(|o| o.track == Some(track));
-            return observations.iter().map(|o| o.track.and_then(known)).collect();
+            return observations.iter().map(|o| self.tracked(o)).collect();
         }
         let measured = observations.iter().enumerate().filter_map(|(at, o)| {
             let ellipsoid = o.measured.as_ref()?.ellipsoid.transformed(map_from_base);
@@ -129,6 +130,13 @@ impl ObjectMap {
             found[*at] = object;
         }
         found
+    }
+
+    /// The object of the same given identity.
+    fn tracked(&self, observation: &Observation) -> Option<usize> {
+        let track =
+            observation.track.filter(|_| self.settings.association == Association::Given)?;
+        self.objects.iter().position(|object| object.track == Some(track))
     }
 
     /// A new object, if the observation suffices for one.

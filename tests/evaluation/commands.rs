@@ -53,7 +53,8 @@ fn a_simulated_bag_is_replayed_and_measured() {
     assert!(json["objects"]["recall"].as_f64().unwrap() >= 0.5, "{json}");
     assert!(json["objects"]["translation_m"].as_f64().unwrap() < 0.2, "{json}");
     assert_eq!(json["trajectory"]["poses"], 12);
-    assert!(json["trajectory"]["ate_m"]["max"].as_f64().unwrap() < 1e-6, "{json}");
+    // Perfect odometry claims nothing of it, so what is seen corrects it by some millimetres.
+    assert!(json["trajectory"]["ate_m"]["max"].as_f64().unwrap() < 0.02, "{json}");
     let table = succeeds(folder, measured);
     assert!(table.contains("keyboard") && table.contains("ATE [m]"), "{table}");
     let csv = fs::read_to_string(folder.join("a.csv")).unwrap();

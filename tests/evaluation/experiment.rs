@@ -4,7 +4,7 @@ use crate::commands::{fails, succeeds};
 use serde_json::Value;
 use std::{fs, path::Path};
 
-const REDUCED: &str = "experiment --seeds 1 --rows one-frame,ours --frames 6";
+const REDUCED: &str = "experiment --seeds 1 --rows dwb,ours --frames 6";
 
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -53,7 +53,7 @@ fn what_is_written_is_whole(folder: &Path) {
     let cell = |key: &str| &json["cells"][key];
     let given = &cell("desk-orbit/drifting-given/ours")["metrics"];
     assert_eq!(given["id_switches_per200"]["mean"], 0.0, "{given}");
-    assert_eq!(given["ate_m"], given["odometry_ate_m"], "poses come from odometry");
+    assert_ne!(given["ate_m"], given["odometry_ate_m"], "the graph has corrected the poses");
     let exact = &cell("desk-orbit/true-given/ours")["metrics"];
     assert_eq!(exact["ate_m"]["mean"], 0.0, "{exact}");
     assert!(exact["translation_m"]["mean"].as_f64().unwrap() < 0.2, "{exact}");

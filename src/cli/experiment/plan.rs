@@ -235,7 +235,7 @@ mod tests {
         let swept = settings("desk-orbit/paper/dwb/eps_z=1000");
         assert_eq!(swept.slam.eps_z, 1000.0);
         assert_eq!(swept.mapping.association, crate::mapping::Association::Given);
-        assert_eq!(swept.perception, Settings::default().perception);
+        assert_eq!(swept.perception.classes, Settings::default().perception.classes);
         let without = settings("desk-orbit/paper/asymmetric").perception.classes;
         assert_eq!(without.prior("tv").symmetry, crate::perception::SymmetryType::None);
     }

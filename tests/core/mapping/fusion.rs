@@ -41,10 +41,10 @@ fn assert_covariance(covariance: &Covariance) {
 }
 
 /// Heading, centre and size; that objects are upright is known better than it was measured. What keeps every object
-/// determined, and poses held to a tenth of a milliradian, may change a percent.
+/// determined (a standard deviation of 1 for the logarithm of a semi-axis) may change some percent.
 fn assert_same_covariance(a: &Covariance, b: &Covariance) {
     let of = |c: &Covariance| c.fixed_view::<7, 7>(2, 2).into_owned();
-    assert!((of(a) - of(b)).norm() < 0.02 * of(b).norm(), "{a} instead of {b}");
+    assert!((of(a) - of(b)).norm() < 0.06 * of(b).norm().max(of(a).norm()), "{a} instead of {b}");
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn headings_near_half_a_turn_do_not_average_to_nothing() {
 fn the_longer_axis_comes_first_with_its_own_covariance() {
     // Known well along its y, which is the longer one.
     let e = Ellipsoid::new(upright_pose(0.3, Vector3::zeros()), Vector3::new(0.2, 0.5, 0.4));
-    let covariance = by_faces(&e, 0.05, [0.1, 0.1, 0.01, 0.02, 0.01, 0.01]);
+    let covariance = by_faces(&e, 0.05, [0.03, 0.03, 0.01, 0.02, 0.01, 0.01]);
     let map = map_of([observation("cabinet", e, covariance)]);
     let object = only(&map);
     assert!((object.ellipsoid().semi_axes - Vector3::new(0.5, 0.2, 0.4)).norm() < 1e-9);

@@ -1,6 +1,7 @@
 //! The object map, fed with hand-made measurements.
 
 mod association;
+mod drift;
 mod fusion;
 
 use ellipsoid_slam::{
