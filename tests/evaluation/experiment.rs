@@ -55,7 +55,8 @@ fn what_is_written_is_whole(folder: &Path) {
     assert_eq!(given["id_switches_per200"]["mean"], 0.0, "{given}");
     assert_ne!(given["ate_m"], given["odometry_ate_m"], "the graph has corrected the poses");
     let exact = &cell("desk-orbit/true-given/ours")["metrics"];
-    assert_eq!(exact["ate_m"]["mean"], 0.0, "{exact}");
+    // Given poses are held to a tenth of a millimetre.
+    assert!(exact["ate_m"]["mean"].as_f64().unwrap() < 1e-4, "{exact}");
     assert!(exact["translation_m"]["mean"].as_f64().unwrap() < 0.2, "{exact}");
     assert_eq!(exact["shape"]["half_width"], Value::Null, "one seed has no interval");
     let ours = cell("desk-orbit/paper/ours");
