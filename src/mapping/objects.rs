@@ -73,23 +73,28 @@ impl ObjectMap {
 
     /// Joins what one keyframe saw: decides what it is and which factors it gives. Liao et al. 2020, section V.
     pub fn observe(&mut self, sighting: &Sighting) -> Sighted {
-        let (before, keyframes) = (self.objects.clone(), self.chain.len());
-        match self.join(sighting) {
+        let (objects, keyframes) = (self.objects.len(), self.chain.len());
+        let mut before = Vec::new();
+        match self.join(sighting, &mut before) {
             Ok(objects) => Sighted { objects, refused: None },
             Err(refused) => {
                 self.graph.discard();
-                self.objects = before;
                 self.chain.truncate(keyframes);
+                self.objects.truncate(objects);
+                before.into_iter().rev().for_each(|(at, object)| self.objects[at] = object);
                 let objects = vec![None; sighting.observations.len()];
                 Sighted { objects, refused: Some(refused.to_string()) }
             }
         }
     }
 
+    /// What [`ObjectMap::observe`] does; `before` gets the objects that change, as they were.
     fn join(
         &mut self,
         sighting: &Sighting,
+        before: &mut Vec<(usize, MapObject)>,
     ) -> Result<Vec<Option<ObjectId>>, Box<dyn std::error::Error>> {
+        let known = self.objects.len();
         let Sighting { stamp, odom_from_base, odometry_covariance, observations } = sighting;
         let covariance = odometry_covariance.as_deref();
         let at = (*stamp, odom_from_base);
@@ -105,6 +110,7 @@ impl ObjectMap {
             }
             let Some(at) = *found else { continue };
             let object = &mut self.objects[at];
+            before.extend((at < known).then(|| (at, object.clone())));
             object.join(*stamp, observation, &map_from_base);
             object.tie(&mut self.graph, observation, (pose, &keyframe_from_base), &self.slam)?;
         }

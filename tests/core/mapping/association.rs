@@ -1,7 +1,7 @@
 use super::{independent, map_of, observation, observe, only, slam_settings};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Plane, Pose},
-    mapping::{Association, MappingSettings, ObjectId, ObjectMap, Observation},
+    mapping::{Association, MappingSettings, ObjectId, ObjectMap, Observation, Sighting},
     time::Stamp,
 };
 use nalgebra::Vector3;
@@ -133,4 +133,26 @@ fn identities_mean_nothing_where_the_map_decides() {
     let map = map_of([with(7, 0.0), with(9, 0.05), with(7, 3.0)]);
     let seen: Vec<u32> = map.all().iter().map(|o| o.observations).collect();
     assert_eq!(seen, [2, 1]);
+}
+
+#[test]
+fn a_sighting_that_cannot_be_is_refused_and_nothing_is_lost() {
+    let mut map = empty();
+    observe(&mut map, 0.0, vec![chair(0.0, 0.0)]);
+    let before = only(&map).ellipsoid();
+    // Known exactly in every direction: no measurement is.
+    let mut exact = chair(0.1, 0.0);
+    exact.measured.as_mut().unwrap().covariance.fill(0.0);
+    let sighted = map.observe(&Sighting {
+        stamp: Stamp::from_secs(1.0),
+        odom_from_base: Pose::translation(0.5, 0.0, 0.0),
+        odometry_covariance: None,
+        observations: vec![chair(2.0, 0.0), exact],
+    });
+    assert!(sighted.refused.unwrap().contains("positive definite"));
+    assert_eq!(sighted.objects, [None, None]);
+    assert_eq!((only(&map).observations, only(&map).ellipsoid()), (1, before));
+    // What comes next is joined as if nothing had happened.
+    assert_eq!(observe(&mut map, 2.0, vec![chair(0.0, 0.0)]), [Some(only(&map).id)]);
+    assert_eq!(only(&map).observations, 2);
 }
