@@ -62,8 +62,10 @@ fn what_is_written_is_whole(folder: &Path) {
     let ours = cell("desk-orbit/paper/ours");
     assert!(ours["found"].as_u64() > Some(0), "no object is whole and sure in 5 of 6 frames");
     let curve = ours["curves"]["shape"].as_array().unwrap();
-    // The last point of the curve is the table's figure.
-    assert_eq!(curve.last().unwrap()["mean"], ours["metrics"]["shape"]["mean"]);
+    // The last point of the curve is the table's figure, but for the last optimisation of everything together.
+    let last = curve.last().unwrap()["mean"].as_f64().unwrap();
+    let table = ours["metrics"]["shape"]["mean"].as_f64().unwrap();
+    assert!((last - table).abs() < 0.01, "{last} and {table}");
 }
 
 /// A file of an earlier run is agreed with, and disagreed with where it says something else.
