@@ -74,8 +74,7 @@ pub(crate) fn building(keyframes: usize) -> Vec<Keyframe> {
             along.push(objects.len());
             objects.push(sensor.object(at.x, at.y));
         }
-        along.extend(0..HALL / 2);
-        along.extend(HALL / 2..HALL);
+        along.extend(0..HALL);
         for at in 0..TRIP.min(keyframes - world.len()) {
             let ahead = at / SPACING;
             let visible: Vec<(usize, &Ellipsoid)> =

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The cost of a whitened residual by its norm `d`. With a robust kernel, outliers pull less.
 ///
-/// In settings: `kernel: quadratic` or `kernel: { huber: 3.0 }`.
+/// As text: `quadratic` or `{ huber: 3.0 }`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kernel {
@@ -17,13 +17,6 @@ pub enum Kernel {
     /// `c^2 / 2 d^2 / (c^2 + d^2)`: no residual costs more than `c^2 / 2`. Geman and McClure 1985.
     #[serde(rename = "geman_mcclure")]
     GemanMcClure(f64),
-}
-
-impl Default for Kernel {
-    /// The paper's kernel. Liao et al. 2020, eq. (10).
-    fn default() -> Self {
-        Self::Huber(3.0)
-    }
 }
 
 impl Kernel {

@@ -106,7 +106,8 @@ impl ObjectMap {
             // Another observation of this sighting may have begun it.
             *found = found.or_else(|| self.tracked(observation));
             if found.is_none() {
-                *found = self.begin(*stamp, observation, (pose, &keyframe_from_base))?;
+                *found =
+                    self.begin(*stamp, observation, (pose, &keyframe_from_base), &map_from_base)?;
             }
             let Some(at) = *found else { continue };
             let object = &mut self.objects[at];
@@ -151,14 +152,14 @@ impl ObjectMap {
         stamp: Stamp,
         observation: &Observation,
         (pose, keyframe_from_base): (PoseId, &Pose),
+        map_from_base: &Pose,
     ) -> Result<Option<usize>, Box<dyn std::error::Error>> {
         if self.settings.association == Association::Given && observation.track.is_none() {
             return Ok(None);
         }
-        let map_from_base = self.graph.pose(pose) * keyframe_from_base;
         let initial = match &observation.measured {
             Some(measured) if self.slam.observations => {
-                measured.ellipsoid.transformed(&map_from_base)
+                measured.ellipsoid.transformed(map_from_base)
             }
             // Boxes alone make an object once there are enough of them, if it is known that they belong together.
             _ => {
@@ -181,7 +182,7 @@ impl ObjectMap {
         object.found(&mut self.graph, &initial, only_boxes, &self.slam)?;
         if let Some(views) = observation.track.and_then(|track| self.initial.remove(&track)) {
             for (place, view) in views.earlier() {
-                object.join(stamp, view, &map_from_base);
+                object.join(stamp, view, map_from_base);
                 object.tie(&mut self.graph, view, (place.0, &place.1), &self.slam)?;
             }
         }

@@ -9,9 +9,9 @@ use crate::{
 
 /// A pose of the graph and the odometry it came with.
 #[derive(Clone, Debug)]
-pub(super) struct Keyframe {
+struct Keyframe {
     stamp: Stamp,
-    pub(super) pose: PoseId,
+    pose: PoseId,
     odom_from_base: Pose,
     covariance: Option<Box<[f64; 36]>>,
 }
@@ -32,8 +32,9 @@ impl Chain {
         covariance: Option<&[f64; 36]>,
         settings: &SlamSettings,
     ) -> Result<(PoseId, Pose), NoiseError> {
-        if let Some(last) = self.keyframes.last() {
-            let step = last.odom_from_base.inv_mul(odom_from_base);
+        let last =
+            self.keyframes.last().map(|last| (last, last.odom_from_base.inv_mul(odom_from_base)));
+        if let Some((last, step)) = last {
             let still = step.translation.vector.norm() < settings.min_translation_m
                 && step.rotation.angle() < settings.min_rotation_deg.to_radians();
             if still {
@@ -41,15 +42,14 @@ impl Chain {
             }
         }
         let pose = graph.add_pose(self.map_from_odom(graph) * odom_from_base);
-        match self.keyframes.last().filter(|_| settings.optimize_poses) {
+        match last.filter(|_| settings.optimize_poses) {
             None => {
                 graph.add_factor(PosePrior::new(pose, *odom_from_base, Noise::from_sigmas(KNOWN)?));
             }
-            Some(last) => {
+            Some((last, step)) => {
                 let from = (&last.odom_from_base, last.covariance.as_deref());
                 let (noise, _) =
                     step_covariance(from, (odom_from_base, covariance), &settings.motion);
-                let step = last.odom_from_base.inv_mul(odom_from_base);
                 let noise = Noise::from_covariance(&noise)?;
                 graph.add_factor(RelativePose::new(last.pose, pose, &step, noise));
             }
