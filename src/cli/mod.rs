@@ -15,6 +15,10 @@ mod eval_table;
 mod experiment;
 mod import;
 mod inspect;
+#[cfg(feature = "ros")]
+mod node;
+#[cfg(feature = "ros")]
+mod play;
 mod recording;
 mod replay;
 mod results;
@@ -39,7 +43,11 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Replay(replay::Args),
+    #[cfg(feature = "ros")]
+    Node(node::Args),
     Demo(demo::Args),
+    #[cfg(feature = "ros")]
+    Play(play::Args),
     Inspect(inspect::Args),
     Import(import::Args),
     Simulate(simulate::Args),
@@ -76,7 +84,11 @@ pub fn run() -> ExitCode {
     tracing_subscriber::fmt().with_max_level(level).with_writer(std::io::stderr).init();
     let outcome = match &cli.command {
         Command::Replay(args) => replay::run(args),
+        #[cfg(feature = "ros")]
+        Command::Node(args) => node::run(args),
         Command::Demo(args) => demo::run(args),
+        #[cfg(feature = "ros")]
+        Command::Play(args) => play::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Import(args) => import::run(args),
         Command::Simulate(args) => simulate::run(args),

@@ -3,7 +3,9 @@
 //! Defaults live in the settings' own types; this layer knows the range and the meaning of each key.
 
 mod keys;
+mod node;
 mod text;
 
 pub use keys::{KEYS, Key};
+pub use node::{DetectionsType, InputQos, NodeSettings, Qos, Transport};
 pub use text::{ConfigError, settings_from_yaml, settings_to_yaml};
