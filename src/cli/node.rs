@@ -17,8 +17,10 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Outcome {
-    let _ = &args.ros_args;
+    let remaps = args.ros_args.iter().filter_map(|a| a.split_once(":="));
+    let remaps = remaps.map(|(from, to)| (from.to_owned(), to.to_owned())).collect();
+    let identity = Identity { remaps, ..Identity::default() };
     let domain = DdsDomain::from_environment()?;
-    run_node(domain, &Identity::default(), &Settings::default(), &NodeSettings::default())?;
+    run_node(domain, &identity, &Settings::default(), &NodeSettings::default())?;
     Ok(())
 }

@@ -7,5 +7,5 @@ mod node;
 mod text;
 
 pub use keys::{KEYS, Key};
-pub use node::{DetectionsType, InputQos, NodeSettings, Qos, Transport};
+pub use node::{DetectionsType, InputQos, NodeSettings, Qos};
 pub use text::{ConfigError, settings_from_yaml, settings_to_yaml};

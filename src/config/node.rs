@@ -16,8 +16,6 @@ pub struct NodeSettings {
     pub map_frame: String,
     /// Most depth images that wait for the one before them to be worked on.
     pub queue_size: usize,
-    /// How depth images come.
-    pub depth_transport: Transport,
     /// What the detector publishes.
     pub detections_type: DetectionsType,
     /// A map to begin with; empty: none.
@@ -57,21 +55,6 @@ pub enum Qos {
     Latched,
 }
 
-/// How images come: image_transport's names.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Transport {
-    /// `sensor_msgs/Image`.
-    #[default]
-    #[serde(rename = "raw")]
-    Raw,
-    /// `sensor_msgs/CompressedImage` with a PNG.
-    #[serde(rename = "compressed")]
-    Compressed,
-    /// `sensor_msgs/CompressedImage` with a header and a PNG.
-    #[serde(rename = "compressedDepth")]
-    CompressedDepth,
-}
-
 /// The package of the detector's messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -91,7 +74,6 @@ impl Default for NodeSettings {
             tf_rate_hz: 20.0,
             map_frame: "map".into(),
             queue_size: 10,
-            depth_transport: Transport::Raw,
             detections_type: DetectionsType::VisionMsgs,
             load_map: String::new(),
             save_map: String::new(),

@@ -8,11 +8,11 @@ use super::{
     status::Shared,
 };
 use crate::{
-    config::{NodeSettings, Qos, Transport},
+    config::{NodeSettings, Qos},
     msg::{
         Message,
         cdr::CdrError,
-        convert::{self, ConvertError, is_rectified},
+        convert::{self, ConvertError, is_rectified, without_transport},
         nav_msgs::Odometry,
         sensor_msgs::{CameraInfo, CompressedImage, Image},
         tf2_msgs::TFMessage,
@@ -91,22 +91,18 @@ impl Subscriptions<'_> {
         self.transforms("/tf_static", Qos::Latched, true)
     }
 
+    /// The end of the topic's name says how images come, as image_transport has it.
     fn depth(&mut self, topic: &str, settings: &NodeSettings) -> Result<(), NodeError> {
         let role = Role { role: "depth", needed: true, is_present: true };
         let qos = qos::input(settings.qos.depth, IMAGE_DEPTH);
-        let compressed = |image: CompressedImage, _: &mut Vec<_>| {
-            convert::compressed_depth_image(&image).map(Input::Depth)
-        };
-        match settings.depth_transport {
-            Transport::Raw => self.listen(role, topic, qos, |image: Image, _| {
+        if without_transport(topic) == topic {
+            self.listen(role, topic, qos, |image: Image, _| {
                 convert::depth_image(&image).map(Input::Depth)
-            }),
-            Transport::Compressed => {
-                self.listen(role, &format!("{topic}/compressed"), qos, compressed)
-            }
-            Transport::CompressedDepth => {
-                self.listen(role, &format!("{topic}/compressedDepth"), qos, compressed)
-            }
+            })
+        } else {
+            self.listen(role, topic, qos, |image: CompressedImage, _| {
+                convert::compressed_depth_image(&image).map(Input::Depth)
+            })
         }
     }
 
