@@ -7,6 +7,7 @@ use crate::{
         cdr::decode,
         convert::{self, ConvertError, RgbImage},
         sensor_msgs::CompressedImage,
+        yolo_msgs::DetectionArray,
     },
     pipeline::{CameraRole, DepthMessage, Input},
 };
@@ -68,7 +69,11 @@ impl Decoder {
         } else if is(&roles.odometry) {
             Input::Odometry(convert::odometry(&decode(data)?)?)
         } else if topic == roles.detections {
-            let (boxes, bad) = convert::detections(&decode(data)?, self.color_size);
+            let (boxes, bad) = if &*message.type_name == DetectionArray::TYPE {
+                convert::yolo_detections(&decode(data)?, self.color_size)
+            } else {
+                convert::detections(&decode(data)?, self.color_size)
+            };
             left_out.extend(bad);
             Input::Detections(boxes)
         } else if let Some(is_static) = transforms_of(roles, topic) {

@@ -8,6 +8,7 @@ use crate::msg::{
     sensor_msgs::{CameraInfo, CompressedImage, Image},
     tf2_msgs::TFMessage,
     vision_msgs::Detection2DArray,
+    yolo_msgs::DetectionArray,
 };
 use serde::Serialize;
 use std::{fmt, str::FromStr};
@@ -272,7 +273,7 @@ impl Role {
             Self::Rgb | Self::Depth => &[Image::TYPE, CompressedImage::TYPE],
             Self::CameraInfo | Self::DepthCameraInfo => &[CameraInfo::TYPE],
             Self::Odometry => &[Odometry::TYPE],
-            Self::Detections => &[Detection2DArray::TYPE],
+            Self::Detections => &[Detection2DArray::TYPE, DetectionArray::TYPE],
         }
     }
 }

@@ -4,13 +4,19 @@
 //! types, which cannot be wrong, and back.
 
 pub mod builtin_interfaces;
+pub mod diagnostic_msgs;
+pub mod ellipsoid_slam;
 pub mod geometry_msgs;
 pub mod nav_msgs;
+pub mod rosgraph_msgs;
+pub mod rtabmap_msgs;
 pub mod sensor_msgs;
 pub mod std_msgs;
+pub mod std_srvs;
 pub mod tf2_msgs;
 pub mod vision_msgs;
 pub mod visualization_msgs;
+pub mod yolo_msgs;
 
 pub mod cdr;
 pub mod coco;
@@ -27,4 +33,14 @@ use serde::{Serialize, de::DeserializeOwned};
 pub trait Message: Serialize + DeserializeOwned {
     /// The type's name, `package/msg/Name`.
     const TYPE: &'static str;
+}
+
+/// A ROS 2 service type.
+pub trait Service {
+    /// The type's name, `package/srv/Name`.
+    const TYPE: &'static str;
+    /// What a client sends.
+    type Request: Serialize + DeserializeOwned;
+    /// What it gets back.
+    type Response: Serialize + DeserializeOwned;
 }

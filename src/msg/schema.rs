@@ -30,7 +30,8 @@ fn definition(name: &str) -> Option<&'static str> {
 /// `pkg/Name` of each field of `name` that is not a primitive.
 fn parts_of(name: &str) -> Vec<String> {
     let package = name.split('/').next().unwrap_or_default();
-    let fields = definition(name).unwrap_or_default().lines().filter(|line| !line.contains('='));
+    let text = definition(name).unwrap_or_default().lines();
+    let fields = text.map(without_comment).filter(|line| !line.contains('='));
     let types = fields.filter_map(|line| line.split_whitespace().next()?.split('[').next());
     types
         .filter(|kind| !PRIMITIVES.contains(kind))
@@ -38,8 +39,13 @@ fn parts_of(name: &str) -> Vec<String> {
         .collect()
 }
 
+fn without_comment(line: &str) -> &str {
+    line.split('#').next().unwrap_or_default()
+}
+
 /// The primitives that the definitions below use.
-const PRIMITIVES: &[&str] = &["bool", "uint8", "int32", "uint32", "float32", "float64", "string"];
+const PRIMITIVES: &[&str] =
+    &["bool", "byte", "uint8", "int32", "uint32", "uint64", "float32", "float64", "string"];
 
 const DEFINITIONS: &[(&str, &str)] = &[
     ("builtin_interfaces/Time", include_str!("../../msg/ros/builtin_interfaces/Time.msg")),
@@ -107,4 +113,42 @@ const DEFINITIONS: &[(&str, &str)] = &[
         "visualization_msgs/MarkerArray",
         include_str!("../../msg/ros/visualization_msgs/MarkerArray.msg"),
     ),
+    ("ellipsoid_slam/LabelBelief", include_str!("../../msg/LabelBelief.msg")),
+    ("ellipsoid_slam/Object", include_str!("../../msg/Object.msg")),
+    ("ellipsoid_slam/ObjectArray", include_str!("../../msg/ObjectArray.msg")),
+    ("ellipsoid_slam/EllipsoidMeasurement", include_str!("../../msg/EllipsoidMeasurement.msg")),
+    (
+        "ellipsoid_slam/EllipsoidMeasurementArray",
+        include_str!("../../msg/EllipsoidMeasurementArray.msg"),
+    ),
+    ("diagnostic_msgs/KeyValue", include_str!("../../msg/ros/diagnostic_msgs/KeyValue.msg")),
+    (
+        "diagnostic_msgs/DiagnosticStatus",
+        include_str!("../../msg/ros/diagnostic_msgs/DiagnosticStatus.msg"),
+    ),
+    (
+        "diagnostic_msgs/DiagnosticArray",
+        include_str!("../../msg/ros/diagnostic_msgs/DiagnosticArray.msg"),
+    ),
+    ("rosgraph_msgs/Clock", include_str!("../../msg/ros/rosgraph_msgs/Clock.msg")),
+    (
+        "rtabmap_msgs/LandmarkDetection",
+        include_str!("../../msg/ros/rtabmap_msgs/LandmarkDetection.msg"),
+    ),
+    (
+        "rtabmap_msgs/LandmarkDetections",
+        include_str!("../../msg/ros/rtabmap_msgs/LandmarkDetections.msg"),
+    ),
+    ("yolo_msgs/Point2D", include_str!("../../msg/ros/yolo_msgs/Point2D.msg")),
+    ("yolo_msgs/Vector2", include_str!("../../msg/ros/yolo_msgs/Vector2.msg")),
+    ("yolo_msgs/Pose2D", include_str!("../../msg/ros/yolo_msgs/Pose2D.msg")),
+    ("yolo_msgs/BoundingBox2D", include_str!("../../msg/ros/yolo_msgs/BoundingBox2D.msg")),
+    ("yolo_msgs/BoundingBox3D", include_str!("../../msg/ros/yolo_msgs/BoundingBox3D.msg")),
+    ("yolo_msgs/Mask", include_str!("../../msg/ros/yolo_msgs/Mask.msg")),
+    ("yolo_msgs/KeyPoint2D", include_str!("../../msg/ros/yolo_msgs/KeyPoint2D.msg")),
+    ("yolo_msgs/KeyPoint2DArray", include_str!("../../msg/ros/yolo_msgs/KeyPoint2DArray.msg")),
+    ("yolo_msgs/KeyPoint3D", include_str!("../../msg/ros/yolo_msgs/KeyPoint3D.msg")),
+    ("yolo_msgs/KeyPoint3DArray", include_str!("../../msg/ros/yolo_msgs/KeyPoint3DArray.msg")),
+    ("yolo_msgs/Detection", include_str!("../../msg/ros/yolo_msgs/Detection.msg")),
+    ("yolo_msgs/DetectionArray", include_str!("../../msg/ros/yolo_msgs/DetectionArray.msg")),
 ];

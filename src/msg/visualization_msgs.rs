@@ -45,7 +45,8 @@ pub struct Marker {
     pub ns: String,
     /// Number within the namespace.
     pub id: i32,
-    /// Which shape: `type` on the wire.
+    /// Which shape.
+    #[serde(rename = "type")]
     pub kind: i32,
     /// Add, modify or delete.
     pub action: i32,

@@ -2,9 +2,10 @@
 
 use crate::fixtures::{detection, header};
 use ellipsoid_slam::msg::{
-    coco,
-    convert::{detection_array, detections},
+    cdr, coco,
+    convert::{detection_array, detections, yolo_detections},
     vision_msgs::{Detection2D, Detection2DArray},
+    yolo_msgs,
 };
 
 fn array(detections: Vec<Detection2D>) -> Detection2DArray {
@@ -99,4 +100,28 @@ fn what_is_written_is_read_again() {
     let (again, bad) = detections(&detection_array(&message), None);
     assert_eq!((again.detections, again.stamp), (message.detections, message.stamp));
     assert!(bad.is_empty());
+}
+
+#[test]
+fn boxes_of_yolo_ros_are_read_too() {
+    let found = |class_name: &str, class_id, x: f64| yolo_msgs::Detection {
+        class_id,
+        class_name: class_name.into(),
+        score: 0.75,
+        bbox: yolo_msgs::BoundingBox2D {
+            center: yolo_msgs::Pose2D { position: yolo_msgs::Point2D { x, y: 50.0 }, theta: 0.0 },
+            size: yolo_msgs::Vector2 { x: 30.0, y: 10.0 },
+        },
+        ..yolo_msgs::Detection::default()
+    };
+    let all = vec![found("cup", 41, 100.0), found("", 56, 100.0), found("tv", 62, -400.0)];
+    let message = yolo_msgs::DetectionArray { header: header(3, "camera"), detections: all };
+    let bytes = cdr::encode(&message).unwrap();
+    let (got, bad) = yolo_detections(&cdr::decode(&bytes).unwrap(), Some((640, 480)));
+    let labels: Vec<&str> = got.detections.iter().map(|d| d.label()).collect();
+    assert_eq!(labels, ["cup", "chair"], "a name, or an index where there is no name");
+    let (first, rect) = (&got.detections[0], got.detections[0].rect);
+    assert_eq!(first.probability(), 0.75);
+    assert_eq!((rect.x_min, rect.y_min, rect.x_max, rect.y_max), (85.0, 45.0, 115.0, 55.0));
+    assert_eq!(bad.iter().map(|why| why.reason()).collect::<Vec<_>>(), ["box_outside"]);
 }

@@ -6,6 +6,7 @@ mod cameras;
 mod cdr;
 mod color;
 mod damage;
+mod definitions;
 mod depth;
 mod detections;
 mod fixtures;

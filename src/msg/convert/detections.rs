@@ -5,10 +5,12 @@ use crate::{
     geometry::Rect,
     msg::{
         coco,
+        std_msgs::Header,
         vision_msgs::{
             BoundingBox2D, Detection2D, Detection2DArray, ObjectHypothesis,
             ObjectHypothesisWithPose, Point2D, Pose2D,
         },
+        yolo_msgs,
     },
     perception::{Detection, DetectionError},
     pipeline::DetectionsMessage,
@@ -22,16 +24,29 @@ pub fn detections(
     message: &Detection2DArray,
     image_size: Option<(u32, u32)>,
 ) -> (DetectionsMessage, Vec<ConvertError>) {
-    let (mut good, mut bad) = (Vec::new(), Vec::new());
-    for wire in &message.detections {
-        match detection(wire, image_size) {
-            Ok(detection) => good.push(detection),
-            Err(why) => bad.push(why),
-        }
-    }
-    let stamp = message.header.stamp.into();
-    let frame_id = frame(&message.header.frame_id);
-    (DetectionsMessage { stamp, frame_id, detections: good }, bad)
+    let boxes = message.detections.iter().map(|wire| {
+        let BoundingBox2D { center: Pose2D { position, .. }, size_x, size_y } = wire.bbox;
+        let classes = wire.results.iter().map(|result| &result.hypothesis);
+        let classes = classes.map(|h| (coco::label(&h.class_id).to_owned(), h.score)).collect();
+        detection([position.x, position.y], [size_x, size_y], classes, image_size)
+    });
+    collected(&message.header, boxes)
+}
+
+/// The same from what `yolo_ros` sends. A class without a name is named by its index in COCO.
+pub fn yolo_detections(
+    message: &yolo_msgs::DetectionArray,
+    image_size: Option<(u32, u32)>,
+) -> (DetectionsMessage, Vec<ConvertError>) {
+    let boxes = message.detections.iter().map(|wire| {
+        let yolo_msgs::BoundingBox2D { center: yolo_msgs::Pose2D { position, .. }, size } =
+            wire.bbox;
+        let index = wire.class_id.to_string();
+        let name = if wire.class_name.is_empty() { &index } else { &wire.class_name };
+        let classes = vec![(coco::label(name).to_owned(), wire.score)];
+        detection([position.x, position.y], [size.x, size.y], classes, image_size)
+    });
+    collected(&message.header, boxes)
 }
 
 /// Boxes as the wire knows them.
@@ -46,27 +61,36 @@ pub fn detection_array(message: &DetectionsMessage) -> Detection2DArray {
     Detection2DArray { detections: detections.collect(), header: header.clone() }
 }
 
+fn collected(
+    header: &Header,
+    boxes: impl Iterator<Item = Result<Detection, ConvertError>>,
+) -> (DetectionsMessage, Vec<ConvertError>) {
+    let (mut detections, mut bad) = (Vec::new(), Vec::new());
+    for detection in boxes {
+        match detection {
+            Ok(detection) => detections.push(detection),
+            Err(why) => bad.push(why),
+        }
+    }
+    let frame_id = frame(&header.frame_id);
+    (DetectionsMessage { stamp: header.stamp.into(), frame_id, detections }, bad)
+}
+
 fn detection(
-    wire: &Detection2D,
+    [x, y]: [f64; 2],
+    [width, height]: [f64; 2],
+    classes: Vec<(String, f64)>,
     image_size: Option<(u32, u32)>,
 ) -> Result<Detection, ConvertError> {
-    let BoundingBox2D { center: Pose2D { position, .. }, size_x, size_y } = wire.bbox;
-    let (half_x, half_y) = (0.5 * size_x, 0.5 * size_y);
-    let rect = Rect::new(
-        position.x - half_x,
-        position.y - half_y,
-        position.x + half_x,
-        position.y + half_y,
-    )
-    .ok_or(DetectionError::BadBox)?;
+    let (half_x, half_y) = (0.5 * width, 0.5 * height);
+    let rect =
+        Rect::new(x - half_x, y - half_y, x + half_x, y + half_y).ok_or(DetectionError::BadBox)?;
     if let Some((width, height)) = image_size
         && rect.clipped(width, height).is_none()
     {
         return Err(ConvertError::BoxOutside { width, height });
     }
-    let hypotheses = wire.results.iter().map(|result| &result.hypothesis);
-    let hypotheses = hypotheses.map(|h| (coco::label(&h.class_id).to_owned(), h.score)).collect();
-    Ok(Detection::new(rect, hypotheses)?)
+    Ok(Detection::new(rect, classes)?)
 }
 
 fn hypothesis((class_id, score): &(String, f64)) -> ObjectHypothesisWithPose {

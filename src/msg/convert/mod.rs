@@ -16,7 +16,7 @@ pub use color::{
 };
 pub use compressed::{compressed_depth_message, png_depth};
 pub use depth::{compressed_depth_image, depth_image, depth_image_message};
-pub use detections::{detection_array, detections};
+pub use detections::{detection_array, detections, yolo_detections};
 pub use error::ConvertError;
 pub use image_topic::{is_rectified, without_transport};
 pub use objects::{boxes_3d, detections_3d, object_markers, path};
