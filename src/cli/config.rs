@@ -1,7 +1,7 @@
 //! `config`: the effective configuration.
 
-use super::{Outcome, replay::load_settings};
-use crate::config::settings_to_yaml;
+use super::{Outcome, replay::load_parameters};
+use crate::config::parameters_to_yaml;
 use clap::Parser;
 use std::path::PathBuf;
 
@@ -17,11 +17,11 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Outcome {
-    let settings = load_settings(args.config.as_deref())?;
+    let parameters = load_parameters(args.config.as_deref())?;
     if args.json {
-        say!("{}", serde_json::to_string_pretty(&settings)?);
+        say!("{}", serde_json::to_string_pretty(&parameters.tree()?)?);
     } else {
-        say!("{}", settings_to_yaml(&settings)?.trim_end());
+        say!("{}", parameters_to_yaml(&parameters)?.trim_end());
     }
     Ok(())
 }

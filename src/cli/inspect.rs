@@ -1,6 +1,6 @@
 //! `inspect`: what a bag has and what is missing.
 
-use super::{Outcome, replay::load_settings};
+use super::{Outcome, replay::load_parameters};
 use crate::io::{Remap, inspect};
 use clap::Parser;
 use std::path::PathBuf;
@@ -22,8 +22,8 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Outcome {
-    let settings = load_settings(args.config.as_deref())?;
-    let report = inspect(&args.bag, &args.remaps, settings.sync.slop_s)?;
+    let parameters = load_parameters(args.config.as_deref())?;
+    let report = inspect(&args.bag, &args.remaps, parameters.slam.sync.slop_s)?;
     if args.json {
         say!("{}", serde_json::to_string_pretty(&report)?);
     } else {

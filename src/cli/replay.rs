@@ -6,9 +6,9 @@ use super::{
     timing::{KeyframeTime, Stopwatch, now, peak_memory_mb},
 };
 use crate::{
-    config::settings_from_yaml,
+    config::{Parameters, parameters_from_yaml},
     io::{BagInput, Remap, Roles},
-    pipeline::{Dropped, ObjectSlam, Settings, Update},
+    pipeline::{Dropped, ObjectSlam, Update},
 };
 use anyhow::{Context, anyhow};
 use clap::Parser;
@@ -82,20 +82,20 @@ pub(super) fn output_folder(args: &Args) -> PathBuf {
     })
 }
 
-/// Settings from a file, or the defaults.
-pub(super) fn load_settings(config: Option<&Path>) -> anyhow::Result<Settings> {
-    let Some(path) = config else { return Ok(Settings::default()) };
+/// Parameters from a file, or the defaults.
+pub(super) fn load_parameters(config: Option<&Path>) -> anyhow::Result<Parameters> {
+    let Some(path) = config else { return Ok(Parameters::default()) };
     let text = fs::read_to_string(path)
         .with_context(|| format!("cannot read the configuration {}", path.display()))?;
-    settings_from_yaml(&text).with_context(|| path.display().to_string())
+    parameters_from_yaml(&text).with_context(|| path.display().to_string())
 }
 
 /// Replays the bag and writes the results.
 pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let started = now();
-    let settings = load_settings(args.config.as_deref())?;
+    let parameters = load_parameters(args.config.as_deref())?;
     let input = BagInput::open(&args.bag, &args.remaps)?;
-    let mut slam = ObjectSlam::new(settings);
+    let mut slam = ObjectSlam::new(parameters.slam);
     let mut run = Run::new(Results::create(folder)?);
     let progress = ProgressBar::new(input.message_count());
     let mut inputs = input.inputs();

@@ -1,5 +1,6 @@
 //! Range and meaning of every key.
 
+use super::node_keys::NODE_KEYS;
 use std::ops::RangeInclusive;
 
 /// A key of the settings.
@@ -11,24 +12,39 @@ pub struct Key {
     pub range: Option<RangeInclusive<f64>>,
     /// One line on what it does.
     pub meaning: &'static str,
+    /// Whether it can change while the program runs.
+    pub live: bool,
 }
 
-const fn number(path: &'static str, low: f64, high: f64, meaning: &'static str) -> Key {
-    Key { path, range: Some(low..=high), meaning }
+impl Key {
+    /// The same key, which counts only at the start.
+    pub(super) const fn at_start(mut self) -> Self {
+        self.live = false;
+        self
+    }
 }
 
-const fn other(path: &'static str, meaning: &'static str) -> Key {
-    Key { path, range: None, meaning }
+pub(super) const fn number(path: &'static str, low: f64, high: f64, meaning: &'static str) -> Key {
+    Key { path, range: Some(low..=high), meaning, live: true }
 }
 
-/// All keys in the order of the file.
-pub const KEYS: &[Key] = &[
+pub(super) const fn other(path: &'static str, meaning: &'static str) -> Key {
+    Key { path, range: None, meaning, live: true }
+}
+
+/// All keys in the order of the file: the node's, then the method's.
+pub fn keys() -> impl Iterator<Item = &'static Key> + Clone {
+    NODE_KEYS.iter().chain(METHOD_KEYS)
+}
+
+/// Keys of [`Settings`](crate::pipeline::Settings) in the order of the file.
+const METHOD_KEYS: &[Key] = &[
     other("sync", "Pairing of depth images, boxes and odometry."),
     number("sync.slop_s", 0.0, 1.0, "largest difference between the stamps of boxes and depth [s]"),
     number("sync.max_delay_s", 0.0, 60.0, "how long a depth image waits for its boxes [s]"),
     number("sync.max_waiting", 1.0, 1000.0, "most depth images that wait at once"),
-    other("sync.odom_frame", "odometry's frame, where odometry comes from TF only"),
-    other("sync.base_frame", "base frame, likewise; empty: the camera's own frame"),
+    other("sync.odom_frame", "odometry's frame, where odometry comes from TF only").at_start(),
+    other("sync.base_frame", "base frame, likewise; empty: the camera's own frame").at_start(),
     other(
         "depth_noise",
         "Standard deviation of depth: base_m + quadratic_per_m * (z - best_range_m)^2.",
@@ -116,7 +132,8 @@ pub const KEYS: &[Key] = &[
         "distance allowed to the smallest objects [m]",
     ),
     other("slam", "The graph of poses and objects."),
-    other("slam.optimize_poses", "false: poses are the odometry's, as in the paper's experiments"),
+    other("slam.optimize_poses", "false: poses are the odometry's, as in the paper's experiments")
+        .at_start(),
     number("slam.min_translation_m", 0.0, 10.0, "a new pose for the graph after so much way [m]"),
     number("slam.min_rotation_deg", 0.0, 180.0, "or after turning by so much [deg]"),
     other("slam.kernel", "quadratic, huber, cauchy or geman_mcclure"),
@@ -164,11 +181,13 @@ pub const KEYS: &[Key] = &[
         1e-9,
         1e3,
         "a factor is linearised anew when its model misses its cost by this share",
-    ),
+    )
+    .at_start(),
     number(
         "slam.solver.propagation_tolerance",
         0.0,
         1e3,
         "cost for which a change is kept from the rest of the map",
-    ),
+    )
+    .at_start(),
 ];

@@ -1,11 +1,21 @@
 //! Settings as text: ROS 2 parameter files in, commented ones out.
 //!
-//! Defaults live in the settings' own types; this layer knows the range and the meaning of each key.
+//! Defaults live in the settings' own types; this layer knows the range and the meaning of each key,
+//! and what ROS 2 says on a command line.
 
+mod arguments;
 mod keys;
-mod node;
+mod node_keys;
+mod node_settings;
+mod parameters;
 mod text;
+mod values;
 
-pub use keys::{KEYS, Key};
-pub use node::{DetectionsType, InputQos, NodeSettings, Qos};
-pub use text::{ConfigError, settings_from_yaml, settings_to_yaml};
+pub use arguments::{ArgumentError, LogLevel, RosArguments};
+pub use keys::{Key, keys};
+pub use node_settings::{
+    DepthTransport, DetectionsType, MapFileSettings, NodeSettings, PublishSettings, Qos,
+    QosSettings, RgbTransport, TopicSettings,
+};
+pub use parameters::{Parameter, Parameters, key_of};
+pub use text::{ConfigError, parameters_from_yaml, parameters_to_yaml, sections_of};

@@ -1,7 +1,6 @@
 //! Parameter files: `ellipsoid_slam: ros__parameters: ...`.
 
-use super::KEYS;
-use crate::pipeline::Settings;
+use super::{Parameters, keys, values};
 use serde_json::{Map, Value};
 use std::fmt::Write;
 use thiserror::Error;
@@ -44,105 +43,111 @@ fn suggestion(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default()
 }
 
-/// Settings from a parameter file; keys that are not in it keep their defaults.
+/// Parameters from a file as `replay` gets it, for the node with the default name; keys that are not in it keep their
+/// defaults.
 ///
 /// # Errors
 /// When the text is not YAML in ROS 2's form, has an unknown key or a value out of range.
-pub fn settings_from_yaml(text: &str) -> Result<Settings, ConfigError> {
-    let file: Value = serde_saphyr::from_str(text).map_err(|e| {
+pub fn parameters_from_yaml(text: &str) -> Result<Parameters, ConfigError> {
+    let sections = sections_of(text, &format!("/{NODE}"))?;
+    let mut parameters = Parameters::default();
+    if sections.is_empty() {
+        return Err(ConfigError::NotRos);
+    }
+    for section in sections {
+        parameters.overlay(&section)?;
+    }
+    Ok(parameters)
+}
+
+/// What a parameter file says for the node of this full name: the content of each `ros__parameters` that is meant for it.
+/// Names may be nested in namespaces, `*` stands for one part of a name and `**` for any number. Wildcards come
+/// before names; what they say of parameters that are not ours is for others.
+///
+/// # Errors
+/// When the text is not YAML.
+pub fn sections_of(text: &str, node: &str) -> Result<Vec<Value>, ConfigError> {
+    let file = yaml(text)?;
+    let mut found = Vec::new();
+    collect_sections(&file, "", node, &mut found)?;
+    Ok(found)
+}
+
+/// A value as YAML has it.
+///
+/// # Errors
+/// When the text is not YAML.
+pub(super) fn yaml(text: &str) -> Result<Value, ConfigError> {
+    serde_saphyr::from_str(text).map_err(|e| {
         let text = e.to_string();
         let first = text.lines().next().unwrap_or_default();
         ConfigError::Yaml(first.trim_start_matches("error: ").to_owned())
-    })?;
-    let given = file
-        .as_object()
-        .and_then(|nodes| nodes.get(NODE).or_else(|| nodes.get(ANY_NODE)))
-        .and_then(|node| node.get(PARAMETERS))
-        .ok_or(ConfigError::NotRos)?;
-    let mut merged = to_value(&Settings::default())?;
-    if !given.is_null() {
-        merge(&mut merged, given, "")?;
-    }
-    check_ranges(&merged)?;
-    serde_json::from_value(merged).map_err(|e| ConfigError::WrongKind(e.to_string()))
+    })
 }
 
-/// The settings as a commented parameter file.
+fn collect_sections(
+    tree: &Value,
+    path: &str,
+    node: &str,
+    found: &mut Vec<Value>,
+) -> Result<(), ConfigError> {
+    let Some(names) = tree.as_object() else { return Ok(()) };
+    for (name, value) in names {
+        if name != PARAMETERS {
+            let path = format!("{path}/{}", name.trim_matches('/'));
+            collect_sections(value, &path, node, found)?;
+        } else if matches(&parts(path), &parts(node)) {
+            let mut section =
+                if value.is_null() { Value::Object(Map::new()) } else { value.clone() };
+            if let (Some(section), true) = (section.as_object_mut(), path.contains('*')) {
+                let ours = Parameters::default().tree()?;
+                let is_ours = |key: &str| key.split('.').next().and_then(|k| ours.get(k)).is_some();
+                section.retain(|key, _| is_ours(key));
+            }
+            found.push(section);
+        }
+    }
+    Ok(())
+}
+
+fn parts(name: &str) -> Vec<&str> {
+    name.split('/').filter(|part| !part.is_empty()).collect()
+}
+
+fn matches(pattern: &[&str], name: &[&str]) -> bool {
+    match (pattern, name) {
+        ([], []) => true,
+        (["**", rest @ ..], _) => (0..=name.len()).any(|skip| matches(rest, &name[skip..])),
+        (["*", pattern @ ..], [_, name @ ..]) => matches(pattern, name),
+        ([first, pattern @ ..], [part, name @ ..]) => first == part && matches(pattern, name),
+        _ => false,
+    }
+}
+
+/// The parameters as a commented file.
 ///
 /// # Errors
-/// Never for settings that were read or are defaults; a value that is no text would be a bug.
-pub fn settings_to_yaml(settings: &Settings) -> Result<String, ConfigError> {
+/// Never for parameters that were read or are defaults; a value that is no text would be a bug.
+pub fn parameters_to_yaml(parameters: &Parameters) -> Result<String, ConfigError> {
     let mut text = format!("{NODE}:\n  {PARAMETERS}:\n");
-    if let Value::Object(sections) = to_value(settings)? {
+    if let Value::Object(sections) = parameters.tree()? {
         emit(&mut text, &sections, "", 2);
     }
     Ok(text)
 }
 
-fn to_value(settings: &Settings) -> Result<Value, ConfigError> {
-    serde_json::to_value(settings).map_err(|e| ConfigError::WrongKind(e.to_string()))
-}
-
-/// Lays `given` over `base`, whose keys are the only ones allowed, but for classes.
-fn merge(base: &mut Value, given: &Value, path: &str) -> Result<(), ConfigError> {
-    let (Value::Object(known), Value::Object(given)) = (&mut *base, given) else {
-        *base = given.clone();
-        return Ok(());
-    };
-    for (key, value) in given {
-        let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-        if is_free(&path) {
-            known.insert(key.clone(), value.clone());
-        } else if let Some(slot) = known.get_mut(key) {
-            merge(slot, value, &path)?;
-        } else {
-            let nearest = nearest(&path);
-            return Err(ConfigError::UnknownKey { path, nearest });
-        }
-    }
-    Ok(())
-}
-
-/// Labels are the detector's business, and a class is given as a whole.
-fn is_free(path: &str) -> bool {
-    path.starts_with("perception.classes.listed.")
-        || path.starts_with("perception.classes.unlisted.")
-}
-
-fn nearest(path: &str) -> Option<String> {
-    let best = KEYS.iter().max_by(|a, b| {
-        strsim::jaro_winkler(a.path, path).total_cmp(&strsim::jaro_winkler(b.path, path))
-    })?;
-    (strsim::jaro_winkler(best.path, path) > 0.8).then(|| best.path.to_owned())
-}
-
-fn check_ranges(settings: &Value) -> Result<(), ConfigError> {
-    for key in KEYS {
-        let Some(range) = &key.range else { continue };
-        let value = key.path.split('.').try_fold(settings, |v, part| v.get(part));
-        let Some(value) = value.and_then(Value::as_f64) else {
-            return Err(ConfigError::WrongKind(format!("`{}` must be a number", key.path)));
-        };
-        if !range.contains(&value) {
-            let (low, high) = (*range.start(), *range.end());
-            return Err(ConfigError::OutOfRange { path: key.path, value, low, high });
-        }
-    }
-    Ok(())
-}
-
 fn emit(text: &mut String, section: &Map<String, Value>, path: &str, depth: usize) {
     // In the order of the table of keys; keys that it does not have are classes, in their own order.
     let place = |key: &str| {
-        let full = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
-        (KEYS.iter().position(|k| k.path == full).unwrap_or(usize::MAX), full)
+        let full = values::joined(path, key);
+        (keys().position(|k| k.path == full).unwrap_or(usize::MAX), full)
     };
-    let mut keys: Vec<(&String, &Value)> = section.iter().collect();
-    keys.sort_by_key(|(key, _)| place(key));
+    let mut entries: Vec<(&String, &Value)> = section.iter().collect();
+    entries.sort_by_key(|(key, _)| place(key));
     let indent = "  ".repeat(depth);
-    for (key, value) in keys {
+    for (key, value) in entries {
         let (at, full) = place(key);
-        let meaning = KEYS.get(at).map_or("", |k| k.meaning);
+        let meaning = keys().nth(at).map_or("", |k| k.meaning);
         let line = match value {
             Value::Object(inner) if meaning_is_section(inner, &full) => {
                 let _ = writeln!(text, "{indent}# {meaning}\n{indent}{key}:");
@@ -185,5 +190,4 @@ fn flow(value: &Value) -> String {
 }
 
 const NODE: &str = "ellipsoid_slam";
-const ANY_NODE: &str = "/**";
 const PARAMETERS: &str = "ros__parameters";

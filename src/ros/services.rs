@@ -11,7 +11,7 @@ use crate::{
     config::RosArguments,
     msg::{
         Service,
-        ellipsoid_slam::{LoadMap, LoadMapResponse, SaveMap, SaveMapResponse},
+        ellipsoid_slam::{SaveMap, SaveMapResponse},
         std_srvs::{SetBool, SetBoolResponse, Trigger, TriggerResponse},
     },
 };
@@ -23,11 +23,11 @@ use tokio::{sync::oneshot, task::LocalSet};
 /// A request or response as ros2-client wants it: on the wire it is what it holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(transparent)]
-pub(super) struct Wire<T>(pub(super) T);
+struct Wire<T>(T);
 
 impl<T: Serialize + DeserializeOwned> ros2_client::Message for Wire<T> {}
 
-/// Starts all services of the map.
+/// Starts the services of the map.
 pub(super) fn serve_map(
     node: &mut Node,
     arguments: &RosArguments,
@@ -35,43 +35,81 @@ pub(super) fn serve_map(
     tasks: &LocalSet,
 ) -> Result<(), NodeError> {
     let name = |service: &str| arguments.resolve(&format!("~/{service}"));
-    let ask = |inbox: &Arc<Inbox>| {
-        let inbox = Arc::clone(inbox);
-        move |order: fn(Answer) -> Command| ask(&inbox, order)
-    };
-    let worker = ask(inbox);
-    let answer = move |_| {
-        let answer = worker(Command::Reset);
-        async move {
-            let (success, message) = outcome(answer.await, "the map is empty");
-            TriggerResponse { success, message }
-        }
-    };
-    serve::<Trigger, _>(node, &name("reset"), tasks, answer)?;
-    let queue = Arc::clone(inbox);
+    let worker = Arc::clone(inbox);
+    serve::<Trigger, _>(node, &name("reset"), tasks, move |_| {
+        let answer = ask(&worker, Command::Reset);
+        async { answered(answer.await, |success, message| TriggerResponse { success, message }) }
+    })?;
+    let worker = Arc::clone(inbox);
     serve::<SetBool, _>(node, &name("pause"), tasks, move |request| {
-        let paused = request.data;
-        let answer = ask_with(&queue, |answer| Command::Pause(paused, answer));
-        async move {
-            let said = if paused { "paused" } else { "going on" };
-            let (success, message) = outcome(answer.await, said);
-            SetBoolResponse { success, message }
-        }
+        let answer = ask(&worker, |answer| Command::Pause(request.data, answer));
+        async { answered(answer.await, |success, message| SetBoolResponse { success, message }) }
     })?;
-    let queue = Arc::clone(inbox);
+    let worker = Arc::clone(inbox);
     serve::<SaveMap, _>(node, &name("save_map"), tasks, move |request| {
-        let answer = ask_with(&queue, |answer| Command::Save(request.path, answer));
-        async move {
-            let (success, message) = outcome(answer.await, "");
-            SaveMapResponse { success, message }
-        }
-    })?;
-    let queue = Arc::clone(inbox);
-    serve::<LoadMap, _>(node, &name("load_map"), tasks, move |request| {
-        let answer = ask_with(&queue, |answer| Command::Load(request.path, answer));
-        async move {
-            let (success, message) = outcome(answer.await, "");
-            LoadMapResponse { success, message, objects: 0 }
-        }
+        let answer = ask(&worker, |answer| Command::Save(request.path, answer));
+        async { answered(answer.await, |success, message| SaveMapResponse { success, message }) }
     })
+}
+
+/// Answers the requests of one service, one after the other.
+pub(super) fn serve<S: Service, F: Future<Output = S::Response>>(
+    node: &mut Node,
+    name: &str,
+    tasks: &LocalSet,
+    mut answer: impl FnMut(S::Request) -> F + 'static,
+) -> Result<(), NodeError>
+where
+    S::Request: Clone + 'static,
+    S::Response: 'static,
+    F: 'static,
+{
+    let mut parts = S::TYPE.split('/');
+    let (package, kind) = (parts.next().unwrap_or_default(), parts.next_back().unwrap_or_default());
+    let server: Server<Wire<S::Request>, Wire<S::Response>> = node
+        .create_server(
+            ServiceMapping::Enhanced,
+            &parsed(name)?,
+            &ServiceTypeName::new(package, kind),
+            qos::service(),
+            qos::service(),
+        )
+        .map_err(|e| NodeError::create(name, e))?;
+    let name = name.to_owned();
+    tasks.spawn_local(async move {
+        loop {
+            match server.async_receive_request().await {
+                Ok((id, Wire(request))) => {
+                    let response = Wire(answer(request).await);
+                    if let Err(e) = server.async_send_response(id, response).await {
+                        tracing::warn!("{name}: the answer was not sent: {e}");
+                    }
+                }
+                Err(e) => tracing::warn!("{name}: a request cannot be read: {e}"),
+            }
+        }
+    });
+    Ok(())
+}
+
+/// Gives the worker an order; the answer comes when it has done it.
+fn ask(
+    worker: &Inbox,
+    order: impl FnOnce(Answer) -> Command,
+) -> oneshot::Receiver<Result<String, String>> {
+    let (answer, answered) = oneshot::channel();
+    worker.order(order(answer));
+    answered
+}
+
+/// The response: what was done, or why not.
+fn answered<R>(
+    answer: Result<Result<String, String>, oneshot::error::RecvError>,
+    response: impl FnOnce(bool, String) -> R,
+) -> R {
+    match answer {
+        Ok(Ok(done)) => response(true, done),
+        Ok(Err(why)) => response(false, why),
+        Err(_) => response(false, "the node is being stopped".into()),
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::run::{run, stderr};
 use ellipsoid_slam::{
-    config::{KEYS, settings_from_yaml, settings_to_yaml},
+    config::{NodeSettings, Parameters, keys, parameters_from_yaml, parameters_to_yaml},
     perception::FitModel,
     pipeline::Settings,
 };
@@ -13,8 +13,8 @@ const SHIPPED: &str = include_str!("../../config/ellipsoid_slam.yaml");
 
 #[test]
 fn the_shipped_file_is_the_defaults() {
-    assert_eq!(settings_from_yaml(SHIPPED).unwrap(), Settings::default());
-    let printed = settings_to_yaml(&Settings::default()).unwrap();
+    assert_eq!(parameters_from_yaml(SHIPPED).unwrap(), Parameters::default());
+    let printed = parameters_to_yaml(&Parameters::default()).unwrap();
     assert!(printed == SHIPPED, "run `ellipsoid_slam config > config/ellipsoid_slam.yaml`");
 }
 
@@ -30,8 +30,9 @@ fn every_key_is_documented_and_every_documented_key_exists() {
         }
     }
     let mut existing = Vec::new();
+    leaves(&serde_json::to_value(NodeSettings::default()).unwrap(), "", &mut existing);
     leaves(&serde_json::to_value(Settings::default()).unwrap(), "", &mut existing);
-    let mut documented: Vec<String> = KEYS.iter().map(|k| k.path.to_owned()).collect();
+    let mut documented: Vec<String> = keys().map(|k| k.path.to_owned()).collect();
     existing.sort();
     documented.sort();
     assert_eq!(documented, existing);
@@ -40,15 +41,16 @@ fn every_key_is_documented_and_every_documented_key_exists() {
 #[test]
 fn a_file_changes_only_what_it_names() {
     let text = "/**:\n  ros__parameters:\n    perception:\n      fit: quadric\n      classes:\n        listed:\n          robot vacuum: {symmetry: dual_plane, outline: cylinder}\n";
-    let settings = settings_from_yaml(text).unwrap();
+    let parameters = parameters_from_yaml(text).unwrap();
+    let settings = parameters.slam.clone();
     assert_eq!(settings.perception.fit, FitModel::Quadric);
     let mut expected = Settings::default();
     expected.perception.fit = FitModel::Quadric;
     let vacuum = settings.perception.classes.prior("robot vacuum");
     expected.perception.classes.listed.insert("robot vacuum".into(), vacuum);
     assert_eq!(settings, expected);
-    let again = settings_from_yaml(&settings_to_yaml(&settings).unwrap()).unwrap();
-    assert_eq!(again, settings);
+    let again = parameters_from_yaml(&parameters_to_yaml(&parameters).unwrap()).unwrap();
+    assert_eq!(again, parameters);
 }
 
 #[test]
@@ -62,11 +64,11 @@ fn mistakes_are_named() {
     ];
     for (body, words) in cases {
         let text = format!("ellipsoid_slam:\n  ros__parameters:\n    {body}\n");
-        let error = settings_from_yaml(&text).unwrap_err().to_string();
+        let error = parameters_from_yaml(&text).unwrap_err().to_string();
         assert!(error.contains(words), "{body}: {error}");
     }
-    assert!(settings_from_yaml("sync: {slop_s: 0.1}").unwrap_err().to_string().contains("ros__"));
-    assert!(settings_from_yaml("a: [").is_err());
+    assert!(parameters_from_yaml("sync: {slop_s: 0.1}").unwrap_err().to_string().contains("ros__"));
+    assert!(parameters_from_yaml("a: [").is_err());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The program as its users run it: commands, exit codes, files.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod arguments;
 mod bad_input;
 mod configuration;
 mod demo_bag;

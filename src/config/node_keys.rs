@@ -1,0 +1,49 @@
+//! Meaning of the keys that only a live node has.
+
+use super::keys::{Key, number, other};
+
+/// Keys of [`NodeSettings`](super::NodeSettings) in the order of the file.
+pub(super) const NODE_KEYS: &[Key] = &[
+    other("use_sim_time", "time comes from /clock").at_start(),
+    other("map_frame", "frame of the map").at_start(),
+    other("publish_tf", "publish map -> odom; two programs that do so fight"),
+    other(
+        "topics",
+        "What the node receives; relative to its namespace unless they begin with a slash.",
+    ),
+    other("topics.rgb", "colour images; empty: none are received").at_start(),
+    other("topics.rgb_transport", "raw or compressed").at_start(),
+    other("topics.depth", "depth images").at_start(),
+    other("topics.depth_transport", "raw, compressed or compressedDepth").at_start(),
+    other("topics.camera_info", "calibration of the colour camera").at_start(),
+    other(
+        "topics.depth_camera_info",
+        "calibration of the depth camera; empty: depth is aligned to colour",
+    )
+    .at_start(),
+    other("topics.odometry", "odometry; empty: TF says where the base is").at_start(),
+    other("topics.detections", "2D boxes").at_start(),
+    other("topics.detections_type", "vision_msgs, or yolo_msgs of yolo_ros").at_start(),
+    other(
+        "qos",
+        "Quality of service: sensor_data (best effort, matches any publisher) or reliable.",
+    ),
+    other("qos.rgb", "of colour images").at_start(),
+    other("qos.depth", "of depth images").at_start(),
+    other("qos.camera_info", "of both calibrations").at_start(),
+    other("qos.odometry", "of odometry").at_start(),
+    other("qos.detections", "of boxes").at_start(),
+    other("map", "The map's file."),
+    other("map.file", "where the map is saved and loaded; empty: nowhere"),
+    other("map.load_on_start", "load it when the node starts").at_start(),
+    other("map.save_on_shutdown", "save it when the node is stopped"),
+    other("publish", "What is published besides markers, boxes, objects, path and odometry."),
+    other("publish.cuboids", "mark objects by the box round them, too"),
+    other(
+        "publish.measurements",
+        "what single images say: ellipsoids, symmetry and support planes",
+    ),
+    other("publish.landmarks", "objects as landmarks for RTAB-Map"),
+    other("publish.debug_image", "the colour image with boxes and outlines drawn into it"),
+    number("publish.path_step_m", 0.0, 10.0, "a new pose of the path after so much way [m]"),
+];
