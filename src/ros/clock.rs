@@ -6,7 +6,11 @@ use super::{
     qos,
     status::Shared,
 };
-use crate::msg::{Message, rosgraph_msgs::Clock};
+use crate::{
+    config::Qos,
+    msg::{Message, rosgraph_msgs::Clock},
+    time::Stamp,
+};
 use ros2_client::{Node, Subscription};
 
 /// Follows `/clock`, until it is cancelled.
@@ -16,11 +20,11 @@ pub(super) fn follow(
 ) -> Result<impl Future<Output = ()> + 'static, NodeError> {
     const TOPIC: &str = "/clock";
     let failed = |e| NodeError::create(TOPIC, e);
-    let qos = qos::input(crate::config::Qos::SensorData, 1);
+    let qos = qos::input(Qos::SensorData, 1);
     let topic = node.create_topic(&parsed(TOPIC)?, type_name(Clock::TYPE), &qos).map_err(failed)?;
     let clock: Subscription<Clock> = node.create_subscription(&topic, Some(qos)).map_err(failed)?;
     Ok(async move {
-        status.lock().sim_time = Some(crate::time::Stamp::default());
+        status.lock().sim_time = Some(Stamp::default());
         loop {
             match clock.async_take().await {
                 Ok((time, _)) => status.lock().sim_time = Some(time.clock.into()),

@@ -83,7 +83,8 @@ impl Diagnostics {
             let latest = status.inputs.get(&input.topic).and_then(|topic| topic.latest);
             let silent = latest.is_none_or(|latest| now - latest > SILENT);
             if silent && !unheard {
-                let what = format!("{} ({}) has a publisher, but nothing comes", input.topic, input.role);
+                let what =
+                    format!("{} ({}) has a publisher, but nothing comes", input.topic, input.role);
                 found.push(Problem::new("silent", &input.topic, what));
             }
         }
@@ -128,9 +129,9 @@ impl Diagnostics {
             let before =
                 self.before.received.insert(input.topic.clone(), known.received).unwrap_or(0);
             let rate = (known.received - before) as f64 / elapsed;
-            let age = known.latest.map_or("never".into(), |at| {
-                format!("{:.1} s ago", (now - at).as_secs_f64())
-            });
+            let age = known
+                .latest
+                .map_or("never".into(), |at| format!("{:.1} s ago", (now - at).as_secs_f64()));
             values.push((input.topic.clone(), format!("{rate:.1} Hz, {age}")));
         }
         let inputs = self.status_of("inputs", &problems, values);
@@ -171,6 +172,8 @@ fn mapping(status: &Status, overflow: Overflow) -> Vec<(String, String)> {
     let dropped = status.dropped.iter();
     values.extend(dropped.map(|(reason, (n, _))| (format!("dropped: {reason}"), n.to_string())));
     let skipped = status.skipped.iter();
-    values.extend(skipped.map(|(topic, reason, n, _)| (format!("skipped: {reason} {topic}"), n.to_string())));
+    values.extend(
+        skipped.map(|(topic, reason, n, _)| (format!("skipped: {reason} {topic}"), n.to_string())),
+    );
     values
 }

@@ -66,11 +66,8 @@ impl Player {
         let mut node =
             context.new_node(name, NodeOptions::new()).map_err(|e| create(NODE)(e.to_string()))?;
         let mut publish = |topic: &str, kind: &str| -> Result<Publisher<RawCdr>, PlayError> {
-            let qos = if topic.ends_with("/tf_static") {
-                qos::recorded_latched()
-            } else {
-                qos::stream(DEPTH)
-            };
+            let qos =
+                if topic.ends_with("/tf_static") { qos::tf_static() } else { qos::stream(DEPTH) };
             let dds = node
                 .create_topic(&parsed(topic)?, type_name(kind), &qos)
                 .map_err(|e| create(topic)(e.to_string()))?;

@@ -2,8 +2,8 @@
 
 use super::{node::NodeError, problems::Problem};
 use ros2_client::{
-    Context, Gid, Node, Subscription, builtin_topics::ros_discovery,
-    dds::rustdds::TopicKind, entities_info::ParticipantEntitiesInfo,
+    Context, Gid, Node, Subscription, builtin_topics::ros_discovery, dds::rustdds::TopicKind,
+    entities_info::ParticipantEntitiesInfo,
 };
 use std::collections::BTreeSet;
 
@@ -22,7 +22,8 @@ impl SameName {
         full_name: String,
     ) -> Result<Self, NodeError> {
         let participant = context.domain_participant();
-        let failed = |problem: String| NodeError::Create { what: ros_discovery::TOPIC_NAME.into(), problem };
+        let failed =
+            |problem: String| NodeError::Create { what: ros_discovery::TOPIC_NAME.into(), problem };
         let topic = participant
             .create_topic(
                 ros_discovery::TOPIC_NAME.into(),
