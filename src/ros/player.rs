@@ -97,6 +97,11 @@ impl Player {
         }
     }
 
+    /// The topics that it publishes on.
+    pub fn topics(&self) -> impl Iterator<Item = &str> {
+        self.publishers.keys().map(String::as_str)
+    }
+
     /// Publishes CDR bytes on one of the topics.
     ///
     /// # Errors
