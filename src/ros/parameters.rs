@@ -1,6 +1,11 @@
 //! ROS 2's parameter services, with ranges and descriptions.
 
-use super::{inbox::Inbox, node::NodeError, services::serve, worker::Command};
+use super::{
+    inbox::Inbox,
+    node::NodeError,
+    services::{fits, serve},
+    worker::Command,
+};
 use crate::{
     config::{Key, Parameter, Parameters, RosArguments},
     msg::Service,
@@ -13,6 +18,7 @@ use ros2_client::{
     },
     rcl_interfaces as rcl,
 };
+use serde::Serialize;
 use serde_json::Value;
 use std::{cell::RefCell, future::ready, rc::Rc, sync::Arc};
 use tokio::{sync::watch, task::LocalSet};
@@ -76,7 +82,7 @@ impl Live {
         let live = self.clone();
         serve::<Get, _>(node, &name("get_parameters"), tasks, move |request| {
             let values = request.names.iter().map(|name| live.value(name)).collect();
-            ready(rcl::GetParametersResponse { values })
+            ready(rcl::GetParametersResponse { values: all_or_none(values) })
         })?;
         let live = self.clone();
         serve::<Types, _>(node, &name("get_parameter_types"), tasks, move |request| {
@@ -97,7 +103,7 @@ impl Live {
                 None => unknown(name),
             };
             let values = request.names.iter().map(described).collect();
-            ready(rcl::DescribeParametersResponse { values })
+            ready(rcl::DescribeParametersResponse { values: all_or_none(values) })
         })?;
         let live = self.clone();
         serve::<Set, _>(node, &name("set_parameters"), tasks, move |request| {
@@ -154,7 +160,7 @@ fn listed(
     depth: u64,
 ) -> rcl::ListParametersResult {
     let sections = |text: &str| text.matches('.').count() as u64;
-    let fits = |name: &String| {
+    let is_asked_for = |name: &String| {
         if prefixes.is_empty() {
             return depth == 0 || sections(name) < depth;
         }
@@ -164,12 +170,38 @@ fn listed(
             None => false,
         })
     };
-    let names: Vec<String> = names.filter(fits).collect();
+    let mut names: Vec<String> = names.filter(is_asked_for).collect();
+    let all = names.len();
+    // The tables of classes are at the end.
+    while !fits(&(&names, sections_of(&names))) {
+        names.pop();
+    }
+    if names.len() < all {
+        tracing::warn!(
+            "list_parameters: an answer holds {} of {all} names; ask for those below a prefix, such as \"slam\"",
+            names.len()
+        );
+    }
+    let prefixes = sections_of(&names);
+    rcl::ListParametersResult { names, prefixes }
+}
+
+/// The sections that parameters are in.
+fn sections_of(names: &[String]) -> Vec<String> {
     let mut found: Vec<String> =
         names.iter().filter_map(|name| Some(name.rsplit_once('.')?.0.to_owned())).collect();
     found.sort();
     found.dedup();
-    rcl::ListParametersResult { names, prefixes: found }
+    found
+}
+
+/// What does not fit into one answer is not answered by half: asking for fewer names helps.
+fn all_or_none<T: Serialize>(values: Vec<T>) -> Vec<T> {
+    if fits(&values) {
+        return values;
+    }
+    tracing::warn!("{} parameters do not fit into one answer; ask for fewer at once", values.len());
+    Vec::new()
 }
 
 fn described(parameter: &Parameter) -> ParameterDescriptor {

@@ -11,6 +11,7 @@ use crate::{
     config::RosArguments,
     msg::{
         Service,
+        cdr::encoded_len,
         ellipsoid_slam::{SaveMap, SaveMapResponse},
         std_srvs::{SetBool, SetBoolResponse, Trigger, TriggerResponse},
     },
@@ -81,6 +82,10 @@ where
             match server.async_receive_request().await {
                 Ok((id, Wire(request))) => {
                     let response = Wire(answer(request).await);
+                    if !fits(&response) {
+                        tracing::error!("{name}: the answer is larger than RustDDS can send");
+                        continue;
+                    }
                     if let Err(e) = server.async_send_response(id, response).await {
                         tracing::warn!("{name}: the answer was not sent: {e}");
                     }
@@ -91,6 +96,14 @@ where
     });
     Ok(())
 }
+
+/// Whether an answer can be sent. RustDDS 0.15 garbles what it has to cut into fragments if it says at the same time
+/// which request it answers (a stray byte before the inline QoS of `DATA_FRAG`), so answers must fit into one datagram.
+pub(super) fn fits(answer: &impl Serialize) -> bool {
+    encoded_len(answer).is_some_and(|bytes| bytes <= LARGEST_ANSWER)
+}
+
+const LARGEST_ANSWER: usize = 1300;
 
 /// Gives the worker an order; the answer comes when it has done it.
 fn ask(

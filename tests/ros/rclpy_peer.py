@@ -87,7 +87,9 @@ with open(sys.argv[1], "w") as file:
 
 # Parameters.
 names = call(ListParameters, f"{NODE}/list_parameters").result.names
-assert "mapping.min_observations" in names and "publish_tf" in names, names
+assert "publish_tf" in names and "map_frame" in names, names
+names = call(ListParameters, f"{NODE}/list_parameters", prefixes=["mapping"], depth=0).result.names
+assert "mapping.min_observations" in names and "publish_tf" not in names, names
 got = call(GetParameters, f"{NODE}/get_parameters", names=["sync.slop_s", "map_frame", "no.such"]).values
 assert got[0].double_value == 0.02 and got[1].string_value == "map", got
 assert got[2].type == ParameterType.PARAMETER_NOT_SET, got
