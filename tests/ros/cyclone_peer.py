@@ -1,5 +1,6 @@
 """A robot on Cyclone DDS: sends a bag's topics with /tf, /tf_static and /clock, receives objects, /tf and diagnostics."""
 
+import os
 import sys
 import time
 from dataclasses import dataclass
@@ -12,80 +13,70 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 from mcap_ros2.reader import read_ros2_messages
-import os
 
 PATIENCE_S = 60.0
 
 
-def message(package, name):
-    """The type as ROS 2 names it on DDS."""
-
-    def declare(cls):
-        return dataclass(type(name, (IdlStruct,), {"__annotations__": cls.__annotations__}, typename=f"{package}::msg::dds_::{name}_"))
-
-    return declare
-
-
-# Fields are those of the .msg files; nested types first.
-@message("builtin_interfaces", "Time")
-class Time:
+# Types as ROS 2 names them on DDS, with the fields of their .msg files; nested ones first.
+@dataclass
+class Time(IdlStruct, typename="builtin_interfaces::msg::dds_::Time_"):
     sec: types.int32
     nanosec: types.uint32
 
 
-@message("std_msgs", "Header")
-class Header:
+@dataclass
+class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
     stamp: Time
     frame_id: str
 
 
-@message("geometry_msgs", "Vector3")
-class Vector3:
+@dataclass
+class Vector3(IdlStruct, typename="geometry_msgs::msg::dds_::Vector3_"):
     x: types.float64
     y: types.float64
     z: types.float64
 
 
-@message("geometry_msgs", "Quaternion")
-class Quaternion:
+@dataclass
+class Quaternion(IdlStruct, typename="geometry_msgs::msg::dds_::Quaternion_"):
     x: types.float64
     y: types.float64
     z: types.float64
     w: types.float64
 
 
-@message("geometry_msgs", "Transform")
-class Transform:
+@dataclass
+class Transform(IdlStruct, typename="geometry_msgs::msg::dds_::Transform_"):
     translation: Vector3
     rotation: Quaternion
 
 
-@message("geometry_msgs", "TransformStamped")
-class TransformStamped:
+@dataclass
+class TransformStamped(IdlStruct, typename="geometry_msgs::msg::dds_::TransformStamped_"):
     header: Header
     child_frame_id: str
     transform: Transform
 
 
-@message("tf2_msgs", "TFMessage")
-class TFMessage:
+@dataclass
+class TFMessage(IdlStruct, typename="tf2_msgs::msg::dds_::TFMessage_"):
     transforms: types.sequence[TransformStamped]
 
 
-@message("rosgraph_msgs", "Clock")
-class Clock:
+@dataclass
+class Clock(IdlStruct, typename="rosgraph_msgs::msg::dds_::Clock_"):
     clock: Time
 
 
-@message("sensor_msgs", "CompressedImage")
-class CompressedImage:
+@dataclass
+class CompressedImage(IdlStruct, typename="sensor_msgs::msg::dds_::CompressedImage_"):
     header: Header
     format: str
     data: types.sequence[types.uint8]
 
 
-@message("sensor_msgs", "RegionOfInterest")
-class RegionOfInterest:
+@dataclass
+class RegionOfInterest(IdlStruct, typename="sensor_msgs::msg::dds_::RegionOfInterest_"):
     x_offset: types.uint32
     y_offset: types.uint32
     height: types.uint32
@@ -93,8 +84,8 @@ class RegionOfInterest:
     do_rectify: bool
 
 
-@message("sensor_msgs", "CameraInfo")
-class CameraInfo:
+@dataclass
+class CameraInfo(IdlStruct, typename="sensor_msgs::msg::dds_::CameraInfo_"):
     header: Header
     height: types.uint32
     width: types.uint32
@@ -108,98 +99,98 @@ class CameraInfo:
     roi: RegionOfInterest
 
 
-@message("geometry_msgs", "Point")
-class Point:
+@dataclass
+class Point(IdlStruct, typename="geometry_msgs::msg::dds_::Point_"):
     x: types.float64
     y: types.float64
     z: types.float64
 
 
-@message("geometry_msgs", "Pose")
-class Pose:
+@dataclass
+class Pose(IdlStruct, typename="geometry_msgs::msg::dds_::Pose_"):
     position: Point
     orientation: Quaternion
 
 
-@message("geometry_msgs", "PoseWithCovariance")
-class PoseWithCovariance:
+@dataclass
+class PoseWithCovariance(IdlStruct, typename="geometry_msgs::msg::dds_::PoseWithCovariance_"):
     pose: Pose
     covariance: types.array[types.float64, 36]
 
 
-@message("vision_msgs", "ObjectHypothesis")
-class ObjectHypothesis:
+@dataclass
+class ObjectHypothesis(IdlStruct, typename="vision_msgs::msg::dds_::ObjectHypothesis_"):
     class_id: str
     score: types.float64
 
 
-@message("vision_msgs", "ObjectHypothesisWithPose")
-class ObjectHypothesisWithPose:
+@dataclass
+class ObjectHypothesisWithPose(IdlStruct, typename="vision_msgs::msg::dds_::ObjectHypothesisWithPose_"):
     hypothesis: ObjectHypothesis
     pose: PoseWithCovariance
 
 
-@message("vision_msgs", "Point2D")
-class Point2D:
+@dataclass
+class Point2D(IdlStruct, typename="vision_msgs::msg::dds_::Point2D_"):
     x: types.float64
     y: types.float64
 
 
-@message("vision_msgs", "Pose2D")
-class Pose2D:
+@dataclass
+class Pose2D(IdlStruct, typename="vision_msgs::msg::dds_::Pose2D_"):
     position: Point2D
     theta: types.float64
 
 
-@message("vision_msgs", "BoundingBox2D")
-class BoundingBox2D:
+@dataclass
+class BoundingBox2D(IdlStruct, typename="vision_msgs::msg::dds_::BoundingBox2D_"):
     center: Pose2D
     size_x: types.float64
     size_y: types.float64
 
 
-@message("vision_msgs", "Detection2D")
-class Detection2D:
+@dataclass
+class Detection2D(IdlStruct, typename="vision_msgs::msg::dds_::Detection2D_"):
     header: Header
     results: types.sequence[ObjectHypothesisWithPose]
     bbox: BoundingBox2D
     id: str
 
 
-@message("vision_msgs", "Detection2DArray")
-class Detection2DArray:
+@dataclass
+class Detection2DArray(IdlStruct, typename="vision_msgs::msg::dds_::Detection2DArray_"):
     header: Header
     detections: types.sequence[Detection2D]
 
 
-@message("vision_msgs", "BoundingBox3D")
-class BoundingBox3D:
+@dataclass
+class BoundingBox3D(IdlStruct, typename="vision_msgs::msg::dds_::BoundingBox3D_"):
     center: Pose
     size: Vector3
 
 
-@message("vision_msgs", "Detection3D")
-class Detection3D:
+@dataclass
+class Detection3D(IdlStruct, typename="vision_msgs::msg::dds_::Detection3D_"):
     header: Header
     results: types.sequence[ObjectHypothesisWithPose]
     bbox: BoundingBox3D
     id: str
 
 
-@message("vision_msgs", "Detection3DArray")
-class Detection3DArray:
+@dataclass
+class Detection3DArray(IdlStruct, typename="vision_msgs::msg::dds_::Detection3DArray_"):
     header: Header
     detections: types.sequence[Detection3D]
 
 
-@message("diagnostic_msgs", "KeyValue")
-class KeyValue:
+@dataclass
+class KeyValue(IdlStruct, typename="diagnostic_msgs::msg::dds_::KeyValue_"):
     key: str
     value: str
 
 
-@message("diagnostic_msgs", "DiagnosticStatus")
-class DiagnosticStatus:
+@dataclass
+class DiagnosticStatus(IdlStruct, typename="diagnostic_msgs::msg::dds_::DiagnosticStatus_"):
     level: types.uint8
     name: str
     message: str
@@ -207,15 +198,15 @@ class DiagnosticStatus:
     values: types.sequence[KeyValue]
 
 
-@message("diagnostic_msgs", "DiagnosticArray")
-class DiagnosticArray:
+@dataclass
+class DiagnosticArray(IdlStruct, typename="diagnostic_msgs::msg::dds_::DiagnosticArray_"):
     header: Header
     status: types.sequence[DiagnosticStatus]
 
 
 def filled(kind, value):
     """A message of the bag's reader as one of the types above."""
-    if hasattr(kind, "__idl_field_annotations__") or (isinstance(kind, type) and issubclass(kind, IdlStruct)):
+    if isinstance(kind, type) and issubclass(kind, IdlStruct):
         fields = kind.__dataclass_fields__
         return kind(**{name: filled(field.type, getattr(value, name)) for name, field in fields.items()})
     inner = getattr(kind, "__metadata__", [None])[0]
