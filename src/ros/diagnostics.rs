@@ -75,7 +75,7 @@ impl Diagnostics {
     fn look(&mut self, now: Instant) -> Vec<Problem> {
         let writers = self.participant.discovered_writers();
         let mut found = discovery::problems(&self.listening, &writers);
-        found.extend(self.same_name.problem());
+        found.extend(self.same_name.problem(&writers));
         let overflow = self.inbox.dropped();
         let status = self.status.lock();
         for input in self.listening.iter().filter(|input| input.needed) {

@@ -2,7 +2,9 @@
 
 use super::{node::NodeError, problems::Problem};
 use ros2_client::{
-    Context, Gid, Node, Subscription, builtin_topics::ros_discovery, dds::rustdds::TopicKind,
+    Context, Gid, Node, Subscription,
+    builtin_topics::ros_discovery,
+    dds::rustdds::{EntityId, GUID, TopicKind, discovery::DiscoveredWriterData},
     entities_info::ParticipantEntitiesInfo,
 };
 use std::collections::BTreeSet;
@@ -38,7 +40,7 @@ impl SameName {
     }
 
     /// Whether another participant has a node of our name at present.
-    pub(super) fn problem(&mut self) -> Option<Problem> {
+    pub(super) fn problem(&mut self, writers: &[DiscoveredWriterData]) -> Option<Problem> {
         while let Ok(Some((info, _))) = self.infos.take() {
             let named_alike =
                 info.nodes().iter().any(|node| node.fully_qualified_name() == self.full_name);
@@ -51,6 +53,14 @@ impl SameName {
                 self.others.remove(&info.gid());
             }
         }
+        // One that was killed says nothing any more, but discovery has forgotten its publishers.
+        let participants: BTreeSet<Gid> = writers
+            .iter()
+            .map(|w| {
+                Gid::from(GUID::new(w.publication_topic_data.key.prefix, EntityId::PARTICIPANT))
+            })
+            .collect();
+        self.others.retain(|other| participants.contains(other));
         if self.others.is_empty() {
             return None;
         }

@@ -103,7 +103,7 @@ pub(super) fn fits(answer: &impl Serialize) -> bool {
     encoded_len(answer).is_some_and(|bytes| bytes <= LARGEST_ANSWER)
 }
 
-const LARGEST_ANSWER: usize = 1300;
+const LARGEST_ANSWER: usize = 1100;
 
 /// Gives the worker an order; the answer comes when it has done it.
 fn ask(

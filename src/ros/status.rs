@@ -81,11 +81,6 @@ impl Shared {
     pub(super) fn skipped(&self, topic: &str, why: ConvertError) {
         let skipped = Skipped { topic: topic.to_owned(), why };
         let mut status = self.lock();
-        let known =
-            status.skipped.iter().any(|(t, reason, ..)| t == topic && reason == skipped.reason());
-        if !known {
-            tracing::warn!("{skipped}");
-        }
         status.skipped.add(skipped);
     }
 
