@@ -4,7 +4,7 @@ use super::{node::NodeError, problems::Problem};
 use ros2_client::{
     Context, Gid, Node, Subscription,
     builtin_topics::ros_discovery,
-    dds::rustdds::{EntityId, GUID, TopicKind, discovery::DiscoveredWriterData},
+    dds::rustdds::{TopicKind, discovery::DiscoveredWriterData},
     entities_info::ParticipantEntitiesInfo,
 };
 use std::collections::BTreeSet;
@@ -54,13 +54,13 @@ impl SameName {
             }
         }
         // One that was killed says nothing any more, but discovery has forgotten its publishers.
-        let participants: BTreeSet<Gid> = writers
-            .iter()
-            .map(|w| {
-                Gid::from(GUID::new(w.publication_topic_data.key.prefix, EntityId::PARTICIPANT))
-            })
-            .collect();
-        self.others.retain(|other| participants.contains(other));
+        let lives = |other: &Gid| {
+            let participant = |gid: Gid| gid.to_bytes16().into_iter().take(GUID_PREFIX);
+            writers
+                .iter()
+                .any(|w| participant(w.publication_topic_data.key.into()).eq(participant(*other)))
+        };
+        self.others.retain(lives);
         if self.others.is_empty() {
             return None;
         }
@@ -72,3 +72,6 @@ impl SameName {
         Some(Problem::new("same_name", name, what))
     }
 }
+
+/// Bytes of a GUID that name the participant.
+const GUID_PREFIX: usize = 12;
