@@ -6,7 +6,7 @@ use crate::processes::{BAG, BAG_TOPICS, Stage, succeeded};
 const FAULTS: [(&str, &str); 7] = [
     ("no publisher", "nobody publishes /detections (detections, vision_msgs/msg/Detection2DArray)"),
     ("wrong type", "/detections is published as sensor_msgs/msg/CameraInfo, but detections needs"),
-    ("malformed CDR", "/detections: the bytes are not a vision_msgs/msg/Detection2DArray"),
+    ("malformed CDR", "/depth/image: the bytes are not a sensor_msgs/msg/Image"),
     (
         "incompatible QoS",
         "the quality of service of /rgb/camera_info does not match: camera_info asks for reliable",
@@ -24,6 +24,7 @@ fn faults_of_publishers_are_named_once_and_in_diagnostics() {
     let stage = Stage::new();
     let node = stage.node(&["-p", "qos.camera_info:=reliable"]);
     node.wait_for("runs in domain");
+    let _malformed = stage.start(stage.peer("cyclone_malformed.py", &[]), "malformed");
     let sentences = FAULTS.map(|(_, words)| words);
     let peer = stage.peer("rclpy_faults.py", &sentences).output().unwrap();
     succeeded(&peer, &node);
