@@ -65,8 +65,16 @@ mapping = [s for s in array.status if s.name.endswith("mapping")][0]
 assert int(values(mapping)["objects"]) > 0, values(mapping)
 assert values(mapping)["dropped: overflow"] == "0", values(mapping)
 
+
+
+def is_whole(array):
+    """Whether all objects are marked that diagnostics count."""
+    counted = [values(s)["objects"] for s in diagnostics.message.status if s.name.endswith("mapping")]
+    return [str(sum(m.ns == "ellipsoids" for m in array.markers))] == counted
+
+
 # This subscriber comes late: all images are through.
-markers = Latest(MarkerArray, f"{NODE}/markers", latched=True).wait()
+markers = Latest(MarkerArray, f"{NODE}/markers", latched=True).wait(is_whole)
 path = Latest(Path, f"{NODE}/path", latched=True).wait()
 assert path.header.frame_id == "map" and len(path.poses) > 5, len(path.poses)
 ellipsoids, labels = {}, {}
