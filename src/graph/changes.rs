@@ -49,11 +49,7 @@ impl Graph {
         for factor in &staged.factors {
             let Some(term) = &self.terms[*factor as usize] else { continue };
             for variable in term.variables() {
-                let node = &mut self.nodes[*variable as usize];
-                node.factors.push(*factor);
-                if node.removed {
-                    removed_factors.push(*factor);
-                }
+                self.nodes[*variable as usize].factors.push(*factor);
             }
         }
         for variable in &removed_variables {
@@ -151,24 +147,24 @@ impl Graph {
     pub(super) fn remove(&mut self, changes: &Changes) {
         changes.removed_factors.iter().for_each(|factor| self.unlink(*factor));
         for variable in &changes.removed_variables {
-            self.nodes[*variable as usize].removed = true;
+            self.ids.leave(*variable);
         }
     }
 
     fn unlink(&mut self, factor: u32) {
         let Some(term) = self.terms[factor as usize].take() else { return };
+        self.factor_slots.leave(factor);
         term.stiffen(&mut self.nodes, -1.0);
         for variable in term.variables() {
             self.nodes[*variable as usize].factors.retain(|f| *f != factor);
         }
     }
 
-    /// Takes back what was added and not yet solved for.
+    /// Takes back what was added and not yet solved for, backwards: the places that it leaves are taken again in the
+    /// same order.
     pub(super) fn forget(&mut self, staged: &Staged) {
-        staged.factors.iter().for_each(|factor| self.unlink(*factor));
-        for variable in &staged.variables {
-            self.nodes[*variable as usize].removed = true;
-        }
+        staged.factors.iter().rev().for_each(|factor| self.unlink(*factor));
+        staged.variables.iter().rev().for_each(|variable| self.ids.leave(*variable));
     }
 
     /// As if nothing had been staged.

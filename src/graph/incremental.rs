@@ -18,6 +18,7 @@ use super::{
     EllipsoidId, Factor, PoseId, SolverSettings, Variable, VariableId, VariableIds,
     bayes_tree::BayesTree,
     node::{Node, Term},
+    slots::{Slot, Slots},
 };
 use crate::geometry::{Ellipsoid, Pose};
 use thiserror::Error;
@@ -29,7 +30,8 @@ use thiserror::Error;
 #[derive(Debug, Default)]
 pub struct Graph {
     pub(super) settings: SolverSettings,
-    ids: VariableIds,
+    pub(super) ids: VariableIds,
+    pub(super) factor_slots: Slots,
     /// By variable.
     pub(super) nodes: Vec<Node>,
     /// By factor; nothing for one that was removed.
@@ -45,7 +47,7 @@ pub struct Graph {
 
 /// Identity of a factor, never used twice in a graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FactorId(u32);
+pub struct FactorId(Slot);
 
 /// What waits for the next update.
 #[derive(Clone, Debug, Default)]
@@ -114,53 +116,85 @@ impl Graph {
 
     /// Adds a pose; the next update needs factors that determine it.
     pub fn add_pose(&mut self, initial: Pose) -> PoseId {
-        self.stage(Variable::Pose(initial));
-        self.ids.next_pose()
+        let id = self.ids.next_pose();
+        self.stage(id.into(), Variable::Pose(initial));
+        id
     }
 
     /// Adds an ellipsoid; the next update needs factors that determine it.
     pub fn add_ellipsoid(&mut self, initial: Ellipsoid) -> EllipsoidId {
-        self.stage(Variable::Ellipsoid(initial));
-        self.ids.next_ellipsoid()
+        let id = self.ids.next_ellipsoid();
+        self.stage(id.into(), Variable::Ellipsoid(initial));
+        id
     }
 
-    fn stage(&mut self, initial: Variable) {
-        self.staged.variables.push(self.nodes.len() as u32);
-        self.nodes.push(Node::new(initial));
-        self.place.push(0);
+    fn stage(&mut self, id: VariableId, initial: Variable) {
+        self.staged.variables.push(id.0.index);
+        if id.index() == self.nodes.len() {
+            self.nodes.push(Node::new(initial));
+            self.place.push(0);
+        } else {
+            self.nodes[id.index()] = Node::new(initial);
+        }
     }
 
     /// Adds a factor between variables of this graph. One that is tied to a removed variable goes with it.
     pub fn add_factor(&mut self, factor: impl Factor + 'static) -> FactorId {
-        let index = self.terms.len() as u32;
-        self.terms.push(Some(Term::new(Box::new(factor))));
-        self.staged.factors.push(index);
-        FactorId(index)
+        let slot = self.factor_slots.take();
+        if self.terms.len() == slot.index as usize {
+            self.terms.push(None);
+        }
+        if factor.variables().iter().all(|v| self.ids.is_there(*v)) {
+            self.terms[slot.index as usize] = Some(Term::new(Box::new(factor)));
+            self.staged.factors.push(slot.index);
+        } else {
+            self.factor_slots.leave(slot.index);
+        }
+        FactorId(slot)
     }
 
     /// Takes a factor out with the next update. One that is not there any more is no harm.
     pub fn remove_factor(&mut self, factor: FactorId) {
-        if self.terms[factor.0 as usize].is_some() {
-            self.staged.removed_factors.push(factor.0);
+        if self.factor_slots.is_taken(factor.0) {
+            self.staged.removed_factors.push(factor.0.index);
         }
     }
 
     /// Takes a variable and all its factors out with the next update.
     pub fn remove_variable(&mut self, variable: impl Into<VariableId>) {
-        let index = variable.into().0;
-        if !self.nodes[index as usize].removed {
-            self.staged.removed_variables.push(index);
+        let id = variable.into();
+        if self.ids.is_there(id) {
+            self.staged.removed_variables.push(id.0.index);
         }
     }
 
+    /// How many factors the last update left at a variable.
+    ///
+    /// # Panics
+    /// When the variable was removed.
+    pub fn degree(&self, variable: impl Into<VariableId>) -> usize {
+        self.node(variable.into()).factors.len()
+    }
+
+    pub(super) fn node(&self, id: VariableId) -> &Node {
+        assert!(self.ids.is_there(id), "{id:?} was removed from the graph");
+        &self.nodes[id.index()]
+    }
+
     /// The estimate of a pose.
+    ///
+    /// # Panics
+    /// When it was removed.
     pub fn pose(&self, id: PoseId) -> Pose {
-        *self.nodes[VariableId::from(id).index()].estimate.pose()
+        *self.node(id.into()).estimate.pose()
     }
 
     /// The estimate of an ellipsoid.
+    ///
+    /// # Panics
+    /// When it was removed.
     pub fn ellipsoid(&self, id: EllipsoidId) -> Ellipsoid {
-        match self.nodes[VariableId::from(id).index()].estimate {
+        match self.node(id.into()).estimate {
             Variable::Ellipsoid(ellipsoid) => ellipsoid,
             Variable::Pose(_) => unreachable!("ids of ellipsoids are made for ellipsoids"),
         }
@@ -182,7 +216,7 @@ impl Graph {
     pub fn set_ellipsoid(&mut self, id: EllipsoidId, ellipsoid: Ellipsoid) {
         let variable = VariableId::from(id);
         self.nodes[variable.index()].estimate = Variable::Ellipsoid(ellipsoid);
-        self.stale.moved.push(variable.0);
+        self.stale.moved.push(variable.0.index);
     }
 
     /// Forgets what was added and removed since the last update.
@@ -211,9 +245,10 @@ impl Graph {
                 Ok(self.descend(work, cliques))
             }
             Err(variable) => {
+                let undetermined = Undetermined { variable: self.ids.at(variable) };
                 self.stale = stale;
                 self.roll_back(&changes, undo);
-                Err(Undetermined { variable: VariableId(variable) })
+                Err(undetermined)
             }
         }
     }

@@ -11,14 +11,18 @@ impl Graph {
     /// With `Λ = L Lᵀ` it is `Yᵀ Y` for `L Y = E`, where the columns of `E` pick the variables: `Y` has rows only on
     /// the way from their cliques to the root, so that the cost does not depend on the rest of the map. (Kaess and
     /// Dellaert 2009 recover the same from the covariance's own recursion.)
+    ///
+    /// # Panics
+    /// When one of them was removed.
     pub fn covariance(&self, variables: &[VariableId]) -> DMatrix<f64> {
-        let columns = variables.iter().map(|v| self.nodes[v.index()].dimension).sum();
+        let columns = variables.iter().map(|v| self.node(*v).dimension).sum();
         let mut covariance = DMatrix::zeros(columns, columns);
         let mut open: BTreeMap<u32, DMatrix<f64>> = BTreeMap::new();
         let mut column = 0;
         for variable in variables {
             let dimension = self.nodes[variable.index()].dimension;
-            let rows = open.entry(variable.0).or_insert_with(|| DMatrix::zeros(dimension, columns));
+            let rows =
+                open.entry(variable.0.index).or_insert_with(|| DMatrix::zeros(dimension, columns));
             (0..dimension).for_each(|i| rows[(i, column + i)] = 1.0);
             column += dimension;
         }
@@ -34,7 +38,7 @@ impl Graph {
     fn cliques_upwards(&self, variables: &[VariableId]) -> Vec<u32> {
         let mut depth: BTreeMap<u32, usize> = BTreeMap::new();
         for variable in variables {
-            let path: Vec<u32> = self.tree.path_to_root(variable.0).collect();
+            let path: Vec<u32> = self.tree.path_to_root(variable.0.index).collect();
             for (at, clique) in path.iter().enumerate() {
                 depth.insert(*clique, path.len() - at);
             }

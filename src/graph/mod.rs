@@ -20,6 +20,7 @@ mod odometry_noise;
 mod ordering;
 mod quadratic;
 mod settings;
+mod slots;
 mod substitution;
 mod symbolic;
 mod variable;

@@ -21,7 +21,6 @@ pub(super) struct Node {
     pub(super) stiffness: Tangent,
     pub(super) dimension: usize,
     pub(super) factors: Vec<u32>,
-    pub(super) removed: bool,
 }
 
 impl Node {
@@ -34,7 +33,6 @@ impl Node {
             stiffness: [0.0; 9],
             dimension: initial.dimension(),
             factors: Vec::new(),
-            removed: false,
         }
     }
 
@@ -97,7 +95,7 @@ pub(super) struct Term {
 
 impl Term {
     pub(super) fn new(factor: Box<dyn Factor>) -> Self {
-        let variables = factor.variables().iter().map(|v| v.0).collect();
+        let variables = factor.variables().iter().map(|v| v.0.index).collect();
         Self {
             factor,
             quadratic: Quadratic::empty(variables),

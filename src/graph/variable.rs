@@ -1,16 +1,17 @@
 //! What is estimated: poses and ellipsoids, and the handles by which factors name them.
 
+use super::slots::{Slot, Slots};
 use crate::geometry::{self, Ellipsoid, Pose};
 use nalgebra::{DVector, SVector, Vector6};
 
-/// Handle of a variable in a graph: an index that is never reused.
+/// Handle of a variable in a graph, never given out twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct VariableId(pub(super) u32);
+pub struct VariableId(pub(super) Slot);
 
 impl VariableId {
-    /// Its place in the order in which variables were added.
+    /// Its place among the variables that are there. A later variable may get that of a removed one.
     pub fn index(self) -> usize {
-        self.0 as usize
+        self.0.index as usize
     }
 }
 
@@ -38,24 +39,33 @@ impl From<EllipsoidId> for VariableId {
 /// the wrong kind.
 #[derive(Clone, Debug, Default)]
 pub struct VariableIds {
-    next: u32,
+    slots: Slots,
 }
 
 impl VariableIds {
     /// A handle for a new pose.
     pub fn next_pose(&mut self) -> PoseId {
-        PoseId(self.next())
+        PoseId(VariableId(self.slots.take()))
     }
 
     /// A handle for a new ellipsoid.
     pub fn next_ellipsoid(&mut self) -> EllipsoidId {
-        EllipsoidId(self.next())
+        EllipsoidId(VariableId(self.slots.take()))
     }
 
-    fn next(&mut self) -> VariableId {
-        let id = VariableId(self.next);
-        self.next += 1;
-        id
+    /// Whether a handle was given out and its variable has not left since.
+    pub(super) fn is_there(&self, id: VariableId) -> bool {
+        self.slots.is_taken(id.0)
+    }
+
+    /// The handle of the variable at a place.
+    pub(super) fn at(&self, index: u32) -> VariableId {
+        VariableId(self.slots.at(index))
+    }
+
+    /// The variable at a place has left.
+    pub(super) fn leave(&mut self, index: u32) {
+        self.slots.leave(index);
     }
 }
 

@@ -1,6 +1,6 @@
 //! A first guess of an object of which there are only boxes. After Nicholson et al. 2019, QuadricSLAM.
 
-use super::{Observation, ObservedBox};
+use super::{Observation, ObservedBox, odometry::Place};
 use crate::{
     geometry::{Ellipsoid, Pose},
     graph::{Graph, PoseId},
@@ -10,35 +10,41 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 /// Boxes that wait for more of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct InitialViews {
-    views: Vec<((PoseId, Pose), Observation)>,
+    views: Vec<(Place, Observation)>,
 }
 
 impl InitialViews {
-    /// Adds a view from a keyframe, with the pose of the base in its frame. Returns a first guess once three views
+    /// Adds a view. Returns a first guess once three views
     /// see the object from sufficiently different places.
     pub(super) fn add(
         &mut self,
         graph: &Graph,
-        place: (PoseId, Pose),
+        place: &Place,
         observation: &Observation,
     ) -> Option<Ellipsoid> {
         if !observation.sides.sides.iter().all(Option::is_some) {
             return None;
         }
-        self.views.push((place, observation.clone()));
+        self.views.push((*place, observation.clone()));
         if self.views.len() < MIN_VIEWS {
             return None;
         }
-        let rays = self.views.iter().filter_map(|((pose, keyframe_from_base), view)| {
-            Ray::through(&(graph.pose(*pose) * keyframe_from_base), &view.sides)
-        });
+        let rays = self
+            .views
+            .iter()
+            .filter_map(|(place, view)| Ray::through(&place.map_from_base(graph), &view.sides));
         guess(&rays.collect::<Vec<_>>())
     }
 
+    /// Whether one of them is from this keyframe.
+    pub(super) fn are_from(&self, pose: PoseId) -> bool {
+        self.views.iter().any(|(place, _)| place.pose == pose)
+    }
+
     /// The views before the one that completed the guess.
-    pub(super) fn earlier(&self) -> impl Iterator<Item = ((PoseId, Pose), &Observation)> {
+    pub(super) fn earlier(&self) -> impl Iterator<Item = (&Place, &Observation)> {
         let count = self.views.len().saturating_sub(1);
-        self.views[..count].iter().map(|(place, view)| (*place, view))
+        self.views[..count].iter().map(|(place, view)| (place, view))
     }
 }
 

@@ -1,6 +1,8 @@
 //! An object of the map.
 
-use super::{BoxOutline, Measured, Observation, SlamSettings, Weighting, views::Views};
+use super::{
+    BoxOutline, Measured, Observation, SlamSettings, Weighting, odometry::Place, views::Views,
+};
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
     graph::{
@@ -161,16 +163,18 @@ impl MapObject {
         Ok(())
     }
 
-    /// The factors of an observation from a keyframe.
+    /// The factors of an observation from a keyframe. Returns the pose from which another measurement was forgotten
+    /// for it.
     pub(super) fn tie(
         &mut self,
         graph: &mut Graph,
         observation: &Observation,
-        (pose, keyframe_from_base): (PoseId, &Pose),
+        place: &Place,
         settings: &SlamSettings,
-    ) -> Result<(), Box<dyn Error>> {
+    ) -> Result<Option<PoseId>, Box<dyn Error>> {
+        let mut forgotten = None;
         if let Some(measured) = observation.measured.as_ref().filter(|_| settings.observations) {
-            self.tie_measured(graph, measured, (pose, keyframe_from_base), settings)?;
+            forgotten = self.tie_measured(graph, measured, place, settings)?;
         }
         let sides = &observation.sides;
         if settings.boxes && sides.sides.iter().any(Option::is_some) {
@@ -178,9 +182,9 @@ impl MapObject {
                 BoxOutline::Class => self.outline,
                 BoxOutline::Ellipsoid => Outline::Ellipsoid,
             };
-            let keyframe_from_camera = keyframe_from_base * sides.base_from_camera;
+            let keyframe_from_camera = place.keyframe_from_base * sides.base_from_camera;
             let factor = BoxObservation::new(
-                pose,
+                place.pose,
                 self.variable,
                 keyframe_from_camera,
                 outline,
@@ -190,37 +194,43 @@ impl MapObject {
         }
         let support = observation.measured.as_ref().and_then(|measured| measured.support);
         if let Some(plane) = support.filter(|_| settings.support) {
-            let plane = plane.transformed(&(graph.pose(pose) * keyframe_from_base));
+            let plane = plane.transformed(&place.map_from_base(graph));
             let factor =
                 SupportContact::new(self.variable, self.outline, plane, settings.support_sigma_m)?;
             graph.add_factor(factor.with_kernel(settings.robust_kernel()));
         }
-        Ok(())
+        Ok(forgotten)
     }
 
     fn tie_measured(
         &mut self,
         graph: &mut Graph,
         measured: &Measured,
-        (pose, keyframe_from_base): (PoseId, &Pose),
+        place: &Place,
         settings: &SlamSettings,
-    ) -> Result<(), Box<dyn Error>> {
-        let ellipsoid = measured.ellipsoid.transformed(keyframe_from_base);
+    ) -> Result<Option<PoseId>, Box<dyn Error>> {
+        let ellipsoid = measured.ellipsoid.transformed(&place.keyframe_from_base);
         let covariance = match settings.weighting {
             Weighting::Covariance => measured.covariance,
             Weighting::Paper => paper_covariance(&ellipsoid, measured.probability * settings.eps_z),
         };
-        let factor =
-            EllipsoidObservation::new(pose, self.variable, ellipsoid, &covariance, self.outline)?;
+        let factor = EllipsoidObservation::new(
+            place.pose,
+            self.variable,
+            ellipsoid,
+            &covariance,
+            self.outline,
+        )?;
         let factor = factor.with_kernel(settings.robust_kernel());
         if settings.weighting == Weighting::Paper {
             graph.add_factor(factor);
-            return Ok(());
+            return Ok(None);
         }
-        self.begin_anew_if_wrong(graph, &ellipsoid.transformed(&graph.pose(pose)));
-        let eye = graph.pose(pose).translation.vector.into();
+        let map_from_keyframe = graph.pose(place.pose);
+        self.begin_anew_if_wrong(graph, &ellipsoid.transformed(&map_from_keyframe));
+        let eye = map_from_keyframe.translation.vector.into();
         let eye = self.ellipsoid.pose.inverse_transform_point(&eye);
-        Ok(self.views.add(graph, &eye, factor, settings)?)
+        Ok(self.views.add(graph, &eye, (place, factor), settings)?)
     }
 
     /// An object that began with an outlier stays at it: the robust kernel then takes what is right for outliers. So where

@@ -2,7 +2,9 @@
 
 use super::{
     Association, GateSettings, MapObject, ObjectId, Observation, Sighting, SlamSettings,
-    association::associate, initial::InitialViews, odometry::Chain,
+    association::associate,
+    initial::InitialViews,
+    odometry::{Chain, Place},
 };
 use crate::{
     geometry::{Ellipsoid, Pose},
@@ -79,7 +81,7 @@ impl ObjectMap {
 
     /// Joins what one keyframe saw: decides what it is and which factors it gives. Liao et al. 2020, section V.
     pub fn observe(&mut self, sighting: &Sighting) -> Sighted {
-        let (objects, keyframes) = (self.objects.len(), self.chain.len());
+        let (objects, keyframes) = (self.objects.len(), self.chain.count());
         let mut before = Vec::new();
         match self.join(sighting, &mut before) {
             Ok(objects) => Sighted { objects, refused: None },
@@ -104,24 +106,29 @@ impl ObjectMap {
         let Sighting { stamp, odom_from_base, odometry_covariance, observations } = sighting;
         let covariance = odometry_covariance.as_deref();
         let at = (*stamp, odom_from_base);
-        let (pose, keyframe_from_base) =
-            self.chain.keyframe(&mut self.graph, at, covariance, &self.slam)?;
-        let map_from_base = self.graph.pose(pose) * keyframe_from_base;
+        let thinned = {
+            let waiting = |pose| self.initial.values().any(|views| views.are_from(pose));
+            self.chain.thin(&mut self.graph, waiting)?
+        };
+        let mut loose: Vec<PoseId> = self.chain.last().into_iter().collect();
+        let place = self.chain.keyframe(&mut self.graph, at, covariance, &self.slam)?;
+        let map_from_base = place.map_from_base(&self.graph);
         let mut found = self.associated(observations, &map_from_base);
         for (observation, found) in observations.iter().zip(&mut found) {
             // Another observation of this sighting may have begun it.
             *found = found.or_else(|| self.tracked(observation));
             if found.is_none() {
-                *found =
-                    self.begin(*stamp, observation, (pose, &keyframe_from_base), &map_from_base)?;
+                *found = self.begin(*stamp, observation, &place, &map_from_base)?;
             }
             let Some(at) = *found else { continue };
             let object = &mut self.objects[at];
             before.extend((at < known).then(|| (at, object.clone())));
             object.join(*stamp, observation, &map_from_base);
-            object.tie(&mut self.graph, observation, (pose, &keyframe_from_base), &self.slam)?;
+            loose.extend(object.tie(&mut self.graph, observation, &place, &self.slam)?);
         }
         self.graph.update()?;
+        self.chain.forget(thinned);
+        self.chain.note_loose(loose);
         self.refresh(found.iter().copied().flatten());
         Ok(found.into_iter().map(|at| at.map(|at| self.objects[at].id)).collect())
     }
@@ -157,7 +164,7 @@ impl ObjectMap {
         &mut self,
         stamp: Stamp,
         observation: &Observation,
-        (pose, keyframe_from_base): (PoseId, &Pose),
+        place: &Place,
         map_from_base: &Pose,
     ) -> Result<Option<usize>, Box<dyn std::error::Error>> {
         if self.settings.association == Association::Given && observation.track.is_none() {
@@ -173,7 +180,6 @@ impl ObjectMap {
                     return Ok(None);
                 };
                 let views = self.initial.entry(track).or_default();
-                let place = (pose, *keyframe_from_base);
                 match views.add(&self.graph, place, observation) {
                     Some(initial) => initial,
                     None => return Ok(None),
@@ -189,7 +195,7 @@ impl ObjectMap {
         if let Some(views) = observation.track.and_then(|track| self.initial.remove(&track)) {
             for (place, view) in views.earlier() {
                 object.join(stamp, view, map_from_base);
-                object.tie(&mut self.graph, view, (place.0, &place.1), &self.slam)?;
+                object.tie(&mut self.graph, view, place, &self.slam)?;
             }
         }
         self.objects.push(object);
@@ -221,9 +227,14 @@ impl ObjectMap {
         self.chain.map_from_odom_at(&self.graph, stamp, keyframes)
     }
 
-    /// Poses in the graph.
+    /// Keyframes there have been.
     pub fn keyframes(&self) -> usize {
-        self.chain.len()
+        self.chain.count()
+    }
+
+    /// Those of them whose poses the graph still has.
+    pub fn poses(&self) -> usize {
+        self.chain.kept()
     }
 
     /// Objects with enough measurements, in the order in which they were first seen.

@@ -2,65 +2,170 @@
 
 use super::SlamSettings;
 use crate::{
-    geometry::{Pose, interpolate},
+    geometry::{Pose, adjoint, interpolate},
     graph::{Graph, Noise, NoiseError, PoseId, PosePrior, RelativePose, step_covariance},
     time::Stamp,
 };
+use nalgebra::Matrix6;
+use std::collections::VecDeque;
 
 /// A pose of the graph and the odometry it came with.
 #[derive(Clone, Debug)]
 struct Keyframe {
+    /// How many keyframes there had been before.
+    number: usize,
     stamp: Stamp,
     pose: PoseId,
     odom_from_base: Pose,
     covariance: Option<Box<[f64; 36]>>,
+    /// From the keyframe before, unless it is held by a prior.
+    step: Option<Step>,
 }
 
-/// All keyframes in the order in which they came.
+/// Where the robot is, from a keyframe.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) pose: PoseId,
+    /// How many keyframes there had been before that one.
+    pub(super) number: usize,
+    pub(super) keyframe_from_base: Pose,
+}
+
+impl Place {
+    pub(super) fn map_from_base(&self, graph: &Graph) -> Pose {
+        graph.pose(self.pose) * self.keyframe_from_base
+    }
+}
+
+/// The way between two keyframes, by odometry.
+#[derive(Clone, Debug)]
+struct Step {
+    from_from_to: Pose,
+    /// Of `[rotation, translation]`, a right perturbation.
+    covariance: Matrix6<f64>,
+}
+
+impl Step {
+    /// This step, and then another one.
+    fn then(&self, next: &Step) -> Self {
+        let carried = adjoint(&next.from_from_to.inverse());
+        Self {
+            from_from_to: self.from_from_to * next.from_from_to,
+            covariance: carried * self.covariance * carried.transpose() + next.covariance,
+        }
+    }
+}
+
+/// The keyframes that the graph has, in the order in which they came.
+///
+/// A keyframe that only odometry ties to others tells the map nothing, and is thinned out: the steps to it and from it
+/// become one, which is what eliminating its pose would give. So the graph grows with the map and not with the way driven.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     keyframes: Vec<Keyframe>,
+    /// How many there have been.
+    count: usize,
+    /// Those that may have become superfluous.
+    loose: VecDeque<PoseId>,
 }
 
 impl Chain {
-    /// The keyframe for a pose of odometry, and that pose in the keyframe's frame: the last keyframe as long as the robot
-    /// stands still, a new one otherwise.
+    /// The keyframe for a pose of odometry: the last one as long as the robot stands still, a new one otherwise.
     pub(super) fn keyframe(
         &mut self,
         graph: &mut Graph,
         (stamp, odom_from_base): (Stamp, &Pose),
         covariance: Option<&[f64; 36]>,
         settings: &SlamSettings,
-    ) -> Result<(PoseId, Pose), NoiseError> {
+    ) -> Result<Place, NoiseError> {
         let last =
             self.keyframes.last().map(|last| (last, last.odom_from_base.inv_mul(odom_from_base)));
         if let Some((last, step)) = last {
             let still = step.translation.vector.norm() < settings.min_translation_m
                 && step.rotation.angle() < settings.min_rotation_deg.to_radians();
             if still {
-                return Ok((last.pose, step));
+                let Keyframe { pose, number, .. } = *last;
+                return Ok(Place { pose, number, keyframe_from_base: step });
             }
         }
         let pose = graph.add_pose(self.map_from_odom(graph) * odom_from_base);
-        match last.filter(|_| settings.optimize_poses) {
+        let step = match last.filter(|_| settings.optimize_poses) {
             None => {
                 graph.add_factor(PosePrior::new(pose, *odom_from_base, Noise::from_sigmas(KNOWN)?));
+                None
             }
             Some((last, step)) => {
                 let from = (&last.odom_from_base, last.covariance.as_deref());
                 let (noise, _) =
                     step_covariance(from, (odom_from_base, covariance), &settings.motion);
-                let noise = Noise::from_covariance(&noise)?;
-                graph.add_factor(RelativePose::new(last.pose, pose, &step, noise));
+                let step = Step { from_from_to: step, covariance: noise };
+                tie(graph, (last.pose, pose), &step)?;
+                Some(step)
             }
-        }
+        };
+        let number = self.count;
         self.keyframes.push(Keyframe {
+            number,
             stamp,
             pose,
             odom_from_base: *odom_from_base,
             covariance: covariance.map(|c| Box::new(*c)),
+            step,
         });
-        Ok((pose, Pose::identity()))
+        self.count += 1;
+        Ok(Place { pose, number, keyframe_from_base: Pose::identity() })
+    }
+
+    /// Notes keyframes that may have become superfluous: measurements from them were forgotten, or they are no longer
+    /// the last.
+    pub(super) fn note_loose(&mut self, poses: impl IntoIterator<Item = PoseId>) {
+        self.loose.extend(poses);
+    }
+
+    /// Takes some of the superfluous keyframes out of the graph, with its next update; [`Chain::forget`] has to follow
+    /// when that succeeds. Not all at once, so that no update takes much longer than others. What `is_needed` for
+    /// something else than factors stays.
+    pub(super) fn thin(
+        &mut self,
+        graph: &mut Graph,
+        is_needed: impl Fn(PoseId) -> bool,
+    ) -> Result<Vec<Thinned>, NoiseError> {
+        let mut thinned: Vec<Thinned> = Vec::new();
+        for _ in 0..self.loose.len().min(MAX_LOOKED_AT) {
+            let Some(pose) = self.loose.pop_front() else { break };
+            // The first holds the map where it is.
+            let Some(at) = self.keyframes.iter().skip(1).position(|k| k.pose == pose) else {
+                continue;
+            };
+            let (before, here) = (&self.keyframes[at], &self.keyframes[at + 1]);
+            let Some(next) = self.keyframes.get(at + 2) else { continue };
+            let own = if here.step.is_some() { 2 } else { 1 };
+            let is_known = thinned.iter().any(|t| t.pose == pose);
+            if is_known || graph.degree(pose) != own || is_needed(pose) {
+                continue;
+            }
+            let is_near = |t: &Thinned| t.pose == before.pose || t.pose == next.pose;
+            if thinned.len() == MAX_THINNED || thinned.iter().any(is_near) {
+                self.loose.push_back(pose);
+                continue;
+            }
+            graph.remove_variable(pose);
+            let step = here.step.as_ref().zip(next.step.as_ref()).map(|(to, on)| to.then(on));
+            if let Some(step) = &step {
+                tie(graph, (before.pose, next.pose), step)?;
+            }
+            thinned.push(Thinned { pose, next: next.pose, step });
+        }
+        Ok(thinned)
+    }
+
+    /// Forgets what [`Chain::thin`] has taken out.
+    pub(super) fn forget(&mut self, thinned: Vec<Thinned>) {
+        for Thinned { pose, next, step } in thinned {
+            self.keyframes.retain(|k| k.pose != pose);
+            let next = self.keyframes.iter_mut().find(|k| k.pose == next);
+            next.into_iter().for_each(|k| k.step.clone_from(&step));
+        }
     }
 
     /// What corrects odometry now. It jumps when the graph learns something; `odom` itself never does (REP 105).
@@ -70,10 +175,11 @@ impl Chain {
 
     /// What corrects odometry at a time, after all that is known now: between keyframes it changes evenly.
     ///
-    /// `after` is the number of keyframes there were at that time.
+    /// `after` is the number of keyframes there had been at that time.
     pub(super) fn map_from_odom_at(&self, graph: &Graph, stamp: Stamp, after: usize) -> Pose {
-        let before = after.checked_sub(1).and_then(|at| self.keyframes.get(at));
-        match (before, self.keyframes.get(after)) {
+        let next = self.keyframes.partition_point(|k| k.number < after);
+        let before = next.checked_sub(1).and_then(|at| self.keyframes.get(at));
+        match (before, self.keyframes.get(next)) {
             (None, None) => Pose::identity(),
             (Some(only), None) | (None, Some(only)) => correction(graph, only),
             (Some(before), Some(next)) => {
@@ -85,14 +191,41 @@ impl Chain {
         }
     }
 
-    /// Forgets all but the first keyframes.
+    /// Forgets all keyframes but the first so many.
     pub(super) fn truncate(&mut self, count: usize) {
-        self.keyframes.truncate(count);
+        self.keyframes.retain(|k| k.number < count);
+        self.count = count;
     }
 
-    pub(super) fn len(&self) -> usize {
+    /// The last keyframe's pose.
+    pub(super) fn last(&self) -> Option<PoseId> {
+        self.keyframes.last().map(|k| k.pose)
+    }
+
+    /// How many keyframes there have been.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// How many of them the graph has.
+    pub(super) fn kept(&self) -> usize {
         self.keyframes.len()
     }
+}
+
+/// A keyframe that leaves the graph.
+#[derive(Debug)]
+pub(super) struct Thinned {
+    pose: PoseId,
+    next: PoseId,
+    /// To the next one from the one before, where odometry ties them.
+    step: Option<Step>,
+}
+
+fn tie(graph: &mut Graph, (from, to): (PoseId, PoseId), step: &Step) -> Result<(), NoiseError> {
+    let noise = Noise::from_covariance(&step.covariance)?;
+    graph.add_factor(RelativePose::new(from, to, &step.from_from_to, noise));
+    Ok(())
 }
 
 fn correction(graph: &Graph, keyframe: &Keyframe) -> Pose {
@@ -101,3 +234,7 @@ fn correction(graph: &Graph, keyframe: &Keyframe) -> Pose {
 
 /// Where the map begins is a matter of definition (rad, m).
 const KNOWN: [f64; 6] = [1e-4; 6];
+/// In one update. One keyframe comes with it, so that this catches up.
+const MAX_THINNED: usize = 2;
+/// Of those that may be superfluous, in one update.
+const MAX_LOOKED_AT: usize = 16;

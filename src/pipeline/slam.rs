@@ -87,7 +87,7 @@ impl ObjectSlam {
     /// From now on these settings count; what is in the map stays.
     pub fn change_settings(&mut self, settings: Settings) {
         self.sync.change_settings(settings.sync.clone());
-        self.map.change_settings(settings.mapping.clone(), settings.slam.clone());
+        self.map.change_settings(settings.mapping, settings.slam);
         self.settings = settings;
     }
 

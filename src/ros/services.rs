@@ -54,7 +54,7 @@ pub(super) fn serve_map(
 }
 
 /// Answers the requests of one service, one after the other.
-pub(super) fn serve<S: Service, F: Future<Output = S::Response>>(
+pub(super) fn serve<S: Service, F>(
     node: &mut Node,
     name: &str,
     tasks: &LocalSet,
@@ -63,7 +63,7 @@ pub(super) fn serve<S: Service, F: Future<Output = S::Response>>(
 where
     S::Request: Clone + 'static,
     S::Response: 'static,
-    F: 'static,
+    F: Future<Output = S::Response> + 'static,
 {
     let mut parts = S::TYPE.split('/');
     let (package, kind) = (parts.next().unwrap_or_default(), parts.next_back().unwrap_or_default());

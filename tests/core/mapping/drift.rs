@@ -15,11 +15,18 @@ struct Drive {
     map: ObjectMap,
     /// True pose, that of odometry, and keyframes at the time.
     steps: Vec<(Pose, Pose, usize)>,
+    /// Distance of the pose that was known at the time to the true one (m), and poses in the graph.
+    live: Vec<(f64, usize)>,
     cabinets: Vec<Ellipsoid>,
 }
 
-/// Twice round, looking to the middle; of the boxes this share is given the identity of another cabinet.
+/// Twice round.
 fn drive(seed: u64, wrong: f64, slam: SlamSettings) -> Drive {
+    long_drive(seed, wrong, slam, 158)
+}
+
+/// Round and round, looking to the middle; of the boxes this share is given the identity of another cabinet.
+fn long_drive(seed: u64, wrong: f64, slam: SlamSettings, count: usize) -> Drive {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let cabinets: Vec<Ellipsoid> = (0..6)
         .map(|i| {
@@ -41,8 +48,8 @@ fn drive(seed: u64, wrong: f64, slam: SlamSettings) -> Drive {
             Vector3::new(3.5 * angle.cos(), 3.5 * angle.sin(), 0.0),
         )
     };
-    let (mut odom, mut steps) = (at(0), Vec::new());
-    for step in 0..158 {
+    let (mut odom, mut steps, mut live) = (at(0), Vec::new(), Vec::new());
+    for step in 0..count {
         let truth = at(step);
         if step > 0 {
             let sigmas = Vector6::new(0.0, 0.0, 0.02, 0.02, 0.01, 0.0);
@@ -71,10 +78,13 @@ fn drive(seed: u64, wrong: f64, slam: SlamSettings) -> Drive {
             observations,
         });
         assert_eq!(sighted.refused, None);
+        let known = map.map_from_odom() * odom;
+        let error = (known.translation.vector - truth.translation.vector).norm();
+        live.push((error, map.poses()));
         steps.push((truth, odom, map.keyframes()));
     }
     map.finish();
-    Drive { map, steps, cabinets }
+    Drive { map, steps, live, cabinets }
 }
 
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
@@ -145,4 +155,24 @@ fn the_same_drive_gives_the_same_map() {
     };
     let again = || bits(drive(3, 0.1, SlamSettings::default()));
     assert_eq!(again(), again());
+}
+
+/// Fifty times round: what was seen often enough is forgotten, and the robot still knows where it is.
+#[test]
+fn a_long_drive_neither_grows_nor_drifts() {
+    let lap = 79;
+    let drive = long_drive(7, 0.0, SlamSettings::default(), 50 * lap);
+    let worst = |laps: std::ops::Range<usize>| {
+        let live = &drive.live[laps.start * lap..laps.end * lap];
+        live.iter()
+            .fold((0.0_f64, 0), |most, (error, poses)| (most.0.max(*error), most.1.max(*poses)))
+    };
+    let ((early, _), (middle, some)) = (worst(2..10), worst(20..30));
+    let (late, all) = worst(40..50);
+    let (_, raw) = drive.errors();
+    println!(
+        "live error at most {early} m, {middle} m, {late} m, of odometry {raw} m; {some} and {all} poses"
+    );
+    assert!(late < 1.5 * early && late < 0.1 * raw);
+    assert!(all <= some + some / 20);
 }

@@ -157,3 +157,26 @@ fn what_holds_everything_cannot_be_removed() {
     graph.update().unwrap();
     assert!((graph.pose(b).translation.vector - step().translation.vector).norm() < 1e-9);
 }
+
+/// Places in memory are used again, so handles of what is gone must not lead to what came after it.
+#[test]
+fn handles_of_what_is_gone_lead_nowhere() {
+    let mut graph = Graph::new(SolverSettings::default());
+    let first = graph.add_pose(Pose::identity());
+    graph.add_factor(PosePrior::new(first, Pose::identity(), noise()));
+    let gone = graph.add_pose(step());
+    let old = graph.add_factor(tie(first, gone));
+    graph.update().unwrap();
+    graph.remove_variable(gone);
+    graph.update().unwrap();
+
+    let new = graph.add_pose(step());
+    assert_eq!(VariableId::from(new).index(), VariableId::from(gone).index());
+    assert_ne!(new, gone);
+    graph.add_factor(tie(first, new));
+    graph.remove_factor(old);
+    graph.remove_variable(gone);
+    graph.add_factor(tie(gone, first));
+    graph.update().unwrap();
+    assert_eq!((graph.factor_count(), graph.degree(first), graph.degree(new)), (2, 2, 1));
+}
