@@ -39,7 +39,8 @@ fn check_markers(received: &str, map: &str) {
     let markers = received["ellipsoids"].as_object().unwrap();
     assert!(markers.len() >= 5 && markers.len() <= objects.len(), "{received}");
     for (id, marker) in markers {
-        let object = objects.iter().find(|object| object["id"].to_string() == *id).unwrap();
+        let object =
+            objects.iter().find(|object| object["id"].as_u64() == id.parse().ok()).unwrap();
         let numbers = |value: &serde_json::Value| -> Vec<f64> {
             value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
         };

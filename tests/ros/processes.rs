@@ -104,6 +104,11 @@ const CYCLONE_ON_LOOPBACK: &str = "<CycloneDDS><Domain><General><Interfaces>\
     <Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>11</MaxAutoParticipantIndex>\
     <Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>";
 
+#[expect(clippy::disallowed_methods, reason = "a test that waits has to know for how long")]
+fn now() -> Instant {
+    Instant::now()
+}
+
 impl Running {
     /// All it has said so far.
     pub(crate) fn log(&self) -> String {
@@ -112,7 +117,7 @@ impl Running {
 
     /// Waits until it has said this.
     pub(crate) fn wait_for(&self, words: &str) {
-        let started = Instant::now();
+        let started = now();
         while !self.log().contains(words) {
             assert!(started.elapsed() < PATIENCE, "`{words}` did not come:\n{}", self.log());
             thread::sleep(Duration::from_millis(50));
@@ -128,7 +133,7 @@ impl Running {
     }
 
     pub(crate) fn wait(&mut self) -> ExitStatus {
-        let started = Instant::now();
+        let started = now();
         loop {
             if let Some(status) = self.child.try_wait().unwrap() {
                 return status;
