@@ -19,7 +19,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("report", &["time", "geometry", "mapping", "pipeline", "eval"]),
     ("msg", &["time", "geometry", "perception", "mapping", "pipeline"]),
     ("io", &["time", "geometry", "perception", "mapping", "pipeline", "msg"]),
-    ("ros", &["time", "geometry", "mapping", "pipeline", "msg", "config"]),
+    ("ros", &["time", "geometry", "perception", "mapping", "pipeline", "msg", "config"]),
     ("cli", SHELL_USES),
 ];
 /// The outermost layer puts everything together.
