@@ -20,6 +20,9 @@ pub mod msg;
 
 pub mod io;
 
+#[cfg(feature = "ros")]
+pub mod ros;
+
 pub mod sim;
 
 pub mod eval;

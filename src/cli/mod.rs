@@ -15,6 +15,10 @@ mod eval_table;
 mod experiment;
 mod import;
 mod inspect;
+#[cfg(feature = "ros")]
+mod node;
+#[cfg(feature = "ros")]
+mod play;
 mod recording;
 mod replay;
 mod results;
@@ -24,6 +28,7 @@ mod timing;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use tracing_subscriber::{Layer, filter::Targets, layer::SubscriberExt, util::SubscriberInitExt};
 
 /// Object-level SLAM for indoor robots: from RGB-D frames and 2D boxes to a map of ellipsoids.
 #[derive(Debug, Parser)]
@@ -39,7 +44,11 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Replay(replay::Args),
+    #[cfg(feature = "ros")]
+    Node(node::Args),
     Demo(demo::Args),
+    #[cfg(feature = "ros")]
+    Play(play::Args),
     Inspect(inspect::Args),
     Import(import::Args),
     Simulate(simulate::Args),
@@ -65,6 +74,17 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 
 type Outcome = Result<(), Failure>;
 
+/// Our own words from `level` on. DDS calls things errors that heal themselves: its words are for `-vv` only.
+fn log_to_stderr(level: tracing::Level) {
+    let own = Targets::new().with_target(env!("CARGO_PKG_NAME"), level);
+    let filter = match level {
+        tracing::Level::DEBUG | tracing::Level::TRACE => own.with_default(tracing::Level::INFO),
+        _ => own,
+    };
+    let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(filter);
+    tracing_subscriber::registry().with(lines).init();
+}
+
 /// Runs the program: 0 when done, 1 when the work failed, 2 for wrong usage.
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
@@ -73,10 +93,14 @@ pub fn run() -> ExitCode {
         1 => tracing::Level::INFO,
         _ => tracing::Level::DEBUG,
     };
-    tracing_subscriber::fmt().with_max_level(level).with_writer(std::io::stderr).init();
+    log_to_stderr(level);
     let outcome = match &cli.command {
         Command::Replay(args) => replay::run(args),
+        #[cfg(feature = "ros")]
+        Command::Node(args) => node::run(args),
         Command::Demo(args) => demo::run(args),
+        #[cfg(feature = "ros")]
+        Command::Play(args) => play::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Import(args) => import::run(args),
         Command::Simulate(args) => simulate::run(args),

@@ -14,8 +14,7 @@ mod values;
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use keys::{Key, keys};
 pub use node_settings::{
-    DepthTransport, DetectionsType, MapFileSettings, NodeSettings, PublishSettings, Qos,
-    QosSettings, RgbTransport, TopicSettings,
+    DetectionsType, InputQos, InputTopics, NodeSettings, PublishSettings, Qos,
 };
 pub use parameters::{Parameter, Parameters, key_of};
 pub use text::{ConfigError, parameters_from_yaml, parameters_to_yaml, sections_of};

@@ -1,10 +1,8 @@
 //! A bag as the core's inputs.
 
-use super::{
-    BagError, BagReader, BagWarning, Decoder, Messages, Remap, Role, RoleError, Roles, SkipCount,
-    Skipped,
-};
+use super::{BagError, BagReader, BagWarning, Decoder, Messages, Remap, Role, RoleError, Roles};
 use crate::{
+    msg::{SkipCount, Skipped},
     pipeline::{CameraRole, Input},
     time::Stamp,
 };

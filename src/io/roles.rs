@@ -3,6 +3,7 @@
 use super::Topic;
 use crate::msg::{
     Message,
+    convert::{is_rectified, without_transport},
     nav_msgs::Odometry,
     sensor_msgs::{CameraInfo, CompressedImage, Image},
     tf2_msgs::TFMessage,
@@ -393,19 +394,6 @@ fn is_byproduct(name: &str) -> bool {
 
 fn is_compressed(name: &str) -> bool {
     without_transport(name) != name
-}
-
-/// `image_rect`, `image_rect_color`, `image_rect_raw`, …
-fn is_rectified(name: &str) -> bool {
-    without_transport(name).rsplit('/').next().is_some_and(|image| image.contains("_rect"))
-}
-
-/// The image's name without what image_transport appends.
-fn without_transport(name: &str) -> &str {
-    ["/compressed", "/compressedDepth"]
-        .iter()
-        .find_map(|end| name.strip_suffix(end))
-        .unwrap_or(name)
 }
 
 fn namespace(name: &str) -> &str {

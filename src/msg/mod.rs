@@ -22,8 +22,10 @@ pub mod cdr;
 pub mod coco;
 pub mod convert;
 mod schema;
+mod skipped;
 
 pub use schema::schema_text;
+pub use skipped::{SkipCount, Skipped};
 
 use serde::{Serialize, de::DeserializeOwned};
 

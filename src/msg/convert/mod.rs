@@ -6,6 +6,7 @@ mod compressed;
 mod depth;
 mod detections;
 mod error;
+mod image_topic;
 mod objects;
 mod pose;
 
@@ -17,6 +18,7 @@ pub use compressed::{compressed_depth_message, png_depth};
 pub use depth::{compressed_depth_image, depth_image, depth_image_message};
 pub use detections::{detection_array, detections, yolo_detections};
 pub use error::ConvertError;
+pub use image_topic::{is_rectified, without_transport};
 pub use objects::{boxes_3d, detections_3d, object_markers, path};
 pub use pose::{
     odometry, odometry_message, pose_message, tf_message, transform_message, transforms,

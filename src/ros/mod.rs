@@ -1,0 +1,26 @@
+//! ROS 2, live: topics in, the core, topics out. An adapter: it converts, calls and publishes.
+//!
+//! One thread owns the core (`worker.rs`). Everything else runs on one asynchronous thread: subscriptions put what
+//! they receive into the worker's inbox, which drops the oldest depth image when it is full; timers broadcast
+//! `map → odom` and diagnostics; services hand commands to the worker.
+//!
+//! ros2-client's spinner is not used. It would answer parameter services without descriptions, and what it knows of
+//! publishers is in discovery's own tables (`discovery.rs`).
+
+mod broadcast;
+mod inbox;
+mod names;
+mod node;
+mod outputs;
+mod participant;
+mod player;
+mod qos;
+mod raw;
+mod status;
+mod subscriptions;
+mod worker;
+
+pub use names::Identity;
+pub use node::{NodeError, run_node};
+pub use participant::{DdsDomain, DomainError};
+pub use player::{PlayError, Player};

@@ -1,0 +1,42 @@
+//! Profiles of quality of service.
+
+use crate::config::Qos;
+use ros2_client::{
+    QosProfile,
+    qos::{Durability, History, WhenFull},
+};
+
+/// Of an input.
+pub(super) fn input(qos: Qos, depth: usize) -> QosProfile {
+    let profile = QosProfile::subscription_default().history(History::KeepLast { depth });
+    match qos {
+        Qos::SensorData => profile,
+        Qos::Reliable => profile.reliability_reliable(WhenFull::DEFAULT),
+        Qos::Latched => {
+            profile.reliability_reliable(WhenFull::DEFAULT).durability(Durability::TransientLocal)
+        }
+    }
+}
+
+/// Of a stream of outputs.
+pub(super) fn stream(depth: usize) -> QosProfile {
+    QosProfile::publisher_default().history(History::KeepLast { depth })
+}
+
+/// Of an output that holds all there is: who comes later gets the last one.
+pub(super) fn latched() -> QosProfile {
+    stream(1).durability(Durability::TransientLocal)
+}
+
+/// Of services.
+pub(super) fn service() -> QosProfile {
+    stream(10)
+}
+
+/// Messages of `/tf` kept until they are read: tf2's own depth.
+pub(super) const TF_DEPTH: usize = 100;
+
+/// Of a recording's latched topic: it may have said several things.
+pub(super) fn recorded_latched() -> QosProfile {
+    stream(TF_DEPTH).durability(Durability::TransientLocal)
+}

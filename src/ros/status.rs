@@ -1,0 +1,102 @@
+//! What the node knows of itself, for diagnostics.
+
+use crate::{
+    msg::{SkipCount, Skipped, convert::ConvertError},
+    pipeline::Update,
+    time::Stamp,
+};
+use std::{
+    collections::BTreeMap,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::{Duration, Instant},
+};
+
+/// Shared between all parts of the node.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Shared(Arc<Mutex<Status>>);
+
+/// What has happened so far.
+#[derive(Debug, Default)]
+pub(super) struct Status {
+    /// By topic.
+    pub(super) inputs: BTreeMap<String, InputStatus>,
+    /// Messages and parts of messages that could not be used.
+    pub(super) skipped: SkipCount,
+    /// What the core dropped: by reason, how often and the latest sentence.
+    pub(super) dropped: BTreeMap<&'static str, (u64, String)>,
+    /// Keyframes so far.
+    pub(super) keyframes: u64,
+    /// Depth images with a pose so far.
+    pub(super) frames: u64,
+    /// Objects in the map.
+    pub(super) objects: usize,
+    /// How long the worker took for the latest keyframe, and the longest since it was asked for.
+    pub(super) keyframe_time: Duration,
+    pub(super) longest_keyframe: Duration,
+    /// Stamp of the latest reading of odometry or image: the data's present.
+    pub(super) present: Option<Stamp>,
+    /// Nothing is worked on.
+    pub(super) paused: bool,
+}
+
+/// One input topic.
+#[derive(Clone, Debug, Default)]
+pub(super) struct InputStatus {
+    pub(super) received: u64,
+    pub(super) latest: Option<Instant>,
+    pub(super) stamp: Option<Stamp>,
+}
+
+impl Shared {
+    pub(super) fn lock(&self) -> MutexGuard<'_, Status> {
+        // Counters stay counters, whoever panicked while it held the lock.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A message came.
+    pub(super) fn received(&self, topic: &str, stamp: Option<Stamp>, is_present: bool) {
+        let mut status = self.lock();
+        if is_present {
+            status.present = stamp.or(status.present);
+        }
+        let input = status.inputs.entry(topic.to_owned()).or_default();
+        input.received += 1;
+        input.latest = Some(now());
+        input.stamp = stamp;
+    }
+
+    /// A message, or a part of one, could not be used. Whether it is the first of its kind on this topic.
+    pub(super) fn skipped(&self, topic: &str, why: ConvertError) {
+        let skipped = Skipped { topic: topic.to_owned(), why };
+        let mut status = self.lock();
+        let known =
+            status.skipped.iter().any(|(t, reason, ..)| t == topic && reason == skipped.reason());
+        if !known {
+            tracing::warn!("{skipped}");
+        }
+        status.skipped.add(skipped);
+    }
+
+    /// The worker has worked.
+    pub(super) fn worked(&self, update: &Update, objects: usize, took: Duration) {
+        let mut status = self.lock();
+        status.objects = objects;
+        status.frames += update.poses.len() as u64;
+        status.keyframes += update.keyframes.len() as u64;
+        if !update.keyframes.is_empty() {
+            status.keyframe_time = took;
+            status.longest_keyframe = status.longest_keyframe.max(took);
+        }
+        for dropped in &update.dropped {
+            let entry = status.dropped.entry(dropped.reason).or_default();
+            entry.0 += 1;
+            entry.1.clone_from(&dropped.why);
+        }
+    }
+}
+
+/// The node is a shell: it may read the clock.
+#[expect(clippy::disallowed_methods, reason = "a shell measures time; the core does not")]
+pub(super) fn now() -> Instant {
+    Instant::now()
+}

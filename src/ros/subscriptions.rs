@@ -1,0 +1,224 @@
+//! From topics to the worker's inbox.
+
+use super::{
+    inbox::Inbox,
+    names::{Identity, parsed, type_name},
+    node::NodeError,
+    qos,
+    status::Shared,
+};
+use crate::{
+    config::{NodeSettings, Qos},
+    msg::{
+        Message,
+        cdr::CdrError,
+        convert::{self, ConvertError, is_rectified, without_transport},
+        nav_msgs::Odometry,
+        sensor_msgs::{CameraInfo, CompressedImage, Image},
+        tf2_msgs::TFMessage,
+        vision_msgs::Detection2DArray,
+    },
+    pipeline::{CameraRole, Input},
+    time::Stamp,
+};
+use ros2_client::{Node, QosProfile, ReadError, Subscription};
+use std::{cell::Cell, rc::Rc, sync::Arc};
+use tokio::task::LocalSet;
+
+/// A topic that the node listens to.
+#[derive(Clone, Debug)]
+pub(super) struct Listening {
+    /// What for, as in the parameter file.
+    pub(super) role: &'static str,
+    /// Absolute name.
+    pub(super) topic: String,
+    /// `package/msg/Name`.
+    pub(super) type_name: &'static str,
+    /// What was asked for.
+    pub(super) qos: QosProfile,
+    /// Whether nothing works without it.
+    pub(super) needed: bool,
+}
+
+/// Everything that a subscription needs.
+pub(super) struct Subscriptions<'a> {
+    pub(super) node: &'a mut Node,
+    pub(super) identity: &'a Identity,
+    pub(super) inbox: &'a Arc<Inbox>,
+    pub(super) status: &'a Shared,
+    pub(super) tasks: &'a LocalSet,
+    pub(super) listening: Vec<Listening>,
+}
+
+/// Images kept until they are read: enough for the time that a compressed one takes.
+const IMAGE_DEPTH: usize = 5;
+const SMALL_DEPTH: usize = 50;
+
+impl Subscriptions<'_> {
+    /// Subscribes to all inputs.
+    pub(super) fn all(&mut self, settings: &NodeSettings) -> Result<(), NodeError> {
+        let rgb = self.identity.resolve("rgb");
+        let depth = self.identity.resolve("depth");
+        // Without a name for the colour images, boxes are taken to live in the depth images.
+        let images = if rgb == self.identity.resolve("/rgb") { &depth } else { &rgb };
+        let (color_rectified, depth_rectified) = (is_rectified(images), is_rectified(&depth));
+        self.depth(&depth, settings)?;
+        let size: Rc<Cell<Option<(u32, u32)>>> = Rc::default();
+        let known = Rc::clone(&size);
+        let info = Role { role: "camera_info", needed: true, is_present: false };
+        self.subscribe(info, settings.qos.camera_info, SMALL_DEPTH, move |info: CameraInfo, _| {
+            let message = convert::camera(&info, CameraRole::Color, color_rectified)?;
+            known.set(Some((message.camera.width(), message.camera.height())));
+            Ok(Input::Camera(message))
+        })?;
+        let info = Role { role: "depth_camera_info", needed: false, is_present: false };
+        let qos = settings.qos.depth_camera_info;
+        self.subscribe(info, qos, SMALL_DEPTH, move |info: CameraInfo, _| {
+            convert::camera(&info, CameraRole::Depth, depth_rectified).map(Input::Camera)
+        })?;
+        let odometry = Role { role: "odometry", needed: false, is_present: true };
+        self.subscribe(odometry, settings.qos.odometry, SMALL_DEPTH, |odometry: Odometry, _| {
+            convert::odometry(&odometry).map(Input::Odometry)
+        })?;
+        let boxes = Role { role: "detections", needed: true, is_present: false };
+        let qos = settings.qos.detections;
+        self.subscribe(boxes, qos, SMALL_DEPTH, move |boxes: Detection2DArray, left_out| {
+            let (boxes, bad) = convert::detections(&boxes, size.get());
+            left_out.extend(bad);
+            Ok(Input::Detections(boxes))
+        })?;
+        self.transforms("/tf", Qos::Reliable, false)?;
+        self.transforms("/tf_static", Qos::Latched, true)
+    }
+
+    /// The end of the topic's name says how images come, as image_transport has it.
+    fn depth(&mut self, topic: &str, settings: &NodeSettings) -> Result<(), NodeError> {
+        let role = Role { role: "depth", needed: true, is_present: true };
+        let qos = qos::input(settings.qos.depth, IMAGE_DEPTH);
+        if without_transport(topic) == topic {
+            self.listen(role, topic, qos, |image: Image, _| {
+                convert::depth_image(&image).map(Input::Depth)
+            })
+        } else {
+            self.listen(role, topic, qos, |image: CompressedImage, _| {
+                convert::compressed_depth_image(&image).map(Input::Depth)
+            })
+        }
+    }
+
+    fn transforms(
+        &mut self,
+        topic: &'static str,
+        qos: Qos,
+        is_static: bool,
+    ) -> Result<(), NodeError> {
+        let role = Role { role: topic, needed: false, is_present: false };
+        self.subscribe(role, qos, qos::TF_DEPTH, move |message: TFMessage, left_out| {
+            let (transforms, bad) = convert::transforms(&message);
+            left_out.extend(bad);
+            Ok(Input::Transforms { is_static, transforms })
+        })
+    }
+
+    fn subscribe<M: Message + 'static>(
+        &mut self,
+        role: Role,
+        qos: Qos,
+        depth: usize,
+        convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Input, ConvertError> + 'static,
+    ) -> Result<(), NodeError> {
+        let topic = self.identity.resolve(role.role);
+        self.listen(role, &topic, qos::input(qos, depth), convert)
+    }
+
+    /// Subscribes and starts the task that passes messages on.
+    fn listen<M: Message + 'static>(
+        &mut self,
+        role: Role,
+        topic: &str,
+        qos: QosProfile,
+        convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Input, ConvertError> + 'static,
+    ) -> Result<(), NodeError> {
+        let failed = |e| NodeError::create(topic, e);
+        let dds =
+            self.node.create_topic(&parsed(topic)?, type_name(M::TYPE), &qos).map_err(failed)?;
+        let subscription: Subscription<M> =
+            self.node.create_subscription(&dds, Some(qos.clone())).map_err(failed)?;
+        self.listening.push(Listening {
+            role: role.role,
+            topic: topic.to_owned(),
+            type_name: M::TYPE,
+            qos,
+            needed: role.needed,
+        });
+        let (inbox, status) = (Arc::clone(self.inbox), self.status.clone());
+        let passing = Passing { topic: topic.to_owned(), role, inbox, status };
+        self.tasks.spawn_local(passing.on(subscription, convert));
+        Ok(())
+    }
+}
+
+/// What a topic is for.
+#[derive(Clone, Copy)]
+struct Role {
+    role: &'static str,
+    needed: bool,
+    /// Whether its stamps say what time it is in the data.
+    is_present: bool,
+}
+
+/// The way from one topic to the inbox.
+struct Passing {
+    topic: String,
+    role: Role,
+    inbox: Arc<Inbox>,
+    status: Shared,
+}
+
+impl Passing {
+    async fn on<M: Message + 'static>(
+        self,
+        subscription: Subscription<M>,
+        mut convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Input, ConvertError>,
+    ) {
+        loop {
+            let mut left_out = Vec::new();
+            let converted = match subscription.async_take().await {
+                Ok((message, _)) => convert(message, &mut left_out),
+                Err(ReadError::Deserialization { reason }) => {
+                    Err(CdrError::BadBytes { type_name: M::TYPE, problem: reason }.into())
+                }
+                Err(e) => {
+                    tracing::warn!("{}: {e}", self.topic);
+                    continue;
+                }
+            };
+            for why in left_out {
+                self.status.skipped(&self.topic, why);
+            }
+            match converted {
+                Ok(input) => {
+                    let stamp = stamp_of(&input);
+                    self.status.received(&self.topic, stamp, self.role.is_present);
+                    self.inbox.put(input);
+                }
+                Err(why) => {
+                    self.status.received(&self.topic, None, false);
+                    self.status.skipped(&self.topic, why);
+                }
+            }
+            // A flood on one topic must not keep the others waiting.
+            tokio::task::yield_now().await;
+        }
+    }
+}
+
+fn stamp_of(input: &Input) -> Option<Stamp> {
+    match input {
+        Input::Depth(depth) => Some(depth.stamp),
+        Input::Camera(camera) => Some(camera.stamp),
+        Input::Odometry(odometry) => Some(odometry.stamp),
+        Input::Transforms { transforms, .. } => transforms.iter().map(|t| t.stamp).max(),
+        Input::Detections(detections) => Some(detections.stamp),
+    }
+}
