@@ -15,7 +15,6 @@ pub use query::{View, query_objects};
 
 use crate::{
     config::PublishSettings,
-    geometry::Pose,
     mapping::{MapObject, ObjectId},
     msg::{
         convert::{
@@ -100,8 +99,8 @@ impl Publication {
         self.view.as_ref()
     }
 
-    /// The messages that follow from an update.
-    pub fn update(&mut self, update: &Update, slam: &ObjectSlam) -> Vec<Outgoing> {
+    /// The messages that follow from an update, each with the stamp of what it follows from.
+    pub fn update(&mut self, update: &Update, slam: &ObjectSlam) -> Vec<(Stamp, Outgoing)> {
         let mut out = Vec::new();
         for pose in &update.poses {
             self.pose(pose, slam, &mut out);
@@ -117,17 +116,17 @@ impl Publication {
     }
 
     /// The complete map and way, whatever was published before.
-    pub fn finish(&mut self, slam: &ObjectSlam) -> Vec<Outgoing> {
+    pub fn finish(&mut self, slam: &ObjectSlam) -> Vec<(Stamp, Outgoing)> {
         let mut out = Vec::new();
         if let Some(stamp) = self.way.newest() {
             let poses = self.way.poses(slam);
-            out.push(Outgoing::Path(path(&poses, stamp, &self.map_frame)));
+            out.push((stamp, Outgoing::Path(path(&poses, stamp, &self.map_frame))));
             self.map(stamp, slam, &mut out);
         }
         out
     }
 
-    fn pose(&mut self, pose: &FramePose, slam: &ObjectSlam, out: &mut Vec<Outgoing>) {
+    fn pose(&mut self, pose: &FramePose, slam: &ObjectSlam, out: &mut Vec<(Stamp, Outgoing)>) {
         let (odom_frame, base_frame) = slam.frames();
         let correction = StampedTransform {
             stamp: pose.stamp,
@@ -135,7 +134,7 @@ impl Publication {
             child_frame_id: odom_frame.to_owned(),
             parent_from_child: pose.map_from_base * pose.odom_from_base.inverse(),
         };
-        out.push(Outgoing::Transforms(tf_message(&[correction])));
+        out.push((pose.stamp, Outgoing::Transforms(tf_message(&[correction]))));
         let covariance = slam.covariance(pose).map(|own| {
             let mut flat = [0.0; 36];
             let fixed = pose_covariance(&pose.map_from_base, &own);
@@ -149,28 +148,32 @@ impl Publication {
             odom_from_base: pose.map_from_base,
             covariance,
         };
-        out.push(Outgoing::Odometry(Box::new(odometry_message(&reading))));
+        out.push((pose.stamp, Outgoing::Odometry(Box::new(odometry_message(&reading)))));
         if self.way.add(pose, self.settings.path_step_m) {
             let poses = self.way.poses(slam);
-            out.push(Outgoing::Path(path(&poses, pose.stamp, &self.map_frame)));
+            out.push((pose.stamp, Outgoing::Path(path(&poses, pose.stamp, &self.map_frame))));
         }
     }
 
-    fn keyframe(&mut self, keyframe: &Keyframe, out: &mut Vec<Outgoing>) {
+    fn keyframe(&mut self, keyframe: &Keyframe, out: &mut Vec<(Stamp, Outgoing)>) {
         self.changed |= keyframe.boxes.iter().any(|found| found.object.is_some());
         let Some(camera) = &self.camera else { return };
-        self.view = Some(View {
-            camera: camera.camera.clone(),
-            map_from_camera: keyframe.map_from_camera,
-        });
+        self.view =
+            Some(View { camera: camera.camera.clone(), map_from_camera: keyframe.map_from_camera });
         let in_camera = header(keyframe.stamp, &camera.frame_id);
         if self.settings.measurements {
             let markers = measurement_markers(keyframe, &self.map_frame);
-            out.push(Outgoing::Measurements(measurement_array(keyframe, in_camera.clone())));
-            out.push(Outgoing::MeasurementMarkers(markers));
+            out.push((
+                keyframe.stamp,
+                Outgoing::Measurements(measurement_array(keyframe, in_camera.clone())),
+            ));
+            out.push((keyframe.stamp, Outgoing::MeasurementMarkers(markers)));
         }
         if self.settings.landmarks {
-            out.push(Outgoing::Landmarks(landmark_detections(keyframe, in_camera)));
+            out.push((
+                keyframe.stamp,
+                Outgoing::Landmarks(landmark_detections(keyframe, in_camera)),
+            ));
         }
     }
 
@@ -182,7 +185,7 @@ impl Publication {
         passed < 0.0 || passed >= objects as f64 / OBJECTS_PER_SECOND
     }
 
-    fn map(&mut self, stamp: Stamp, slam: &ObjectSlam, out: &mut Vec<Outgoing>) {
+    fn map(&mut self, stamp: Stamp, slam: &ObjectSlam, out: &mut Vec<(Stamp, Outgoing)>) {
         let objects: Vec<&MapObject> = slam.objects().collect();
         let now: BTreeSet<ObjectId> = objects.iter().map(|object| object.id).collect();
         self.gone.extend(self.shown.difference(&now).map(|id| (*id, stamp)));
@@ -193,9 +196,9 @@ impl Publication {
         let mut markers = deletion_markers(self.gone.keys().copied(), stamp, frame).markers;
         let shapes = object_markers(objects.iter().copied(), settings.cuboids, stamp, frame);
         markers.extend(shapes.markers);
-        out.push(Outgoing::Markers(MarkerArray { markers }));
-        out.push(Outgoing::Boxes(detections_3d(objects.iter().copied(), stamp, frame)));
-        out.push(Outgoing::Objects(object_array(objects.iter().copied(), stamp, frame)));
+        out.push((stamp, Outgoing::Markers(MarkerArray { markers })));
+        out.push((stamp, Outgoing::Boxes(detections_3d(objects.iter().copied(), stamp, frame))));
+        out.push((stamp, Outgoing::Objects(object_array(objects.iter().copied(), stamp, frame))));
         self.published = Some((stamp, objects.len()));
         (self.shown, self.changed) = (now, false);
     }
@@ -204,11 +207,10 @@ impl Publication {
 /// A pose of the base where nobody else says it: `odom -> base`, for whoever looks at a result without its bag.
 pub fn base_transform(pose: &FramePose, slam: &ObjectSlam) -> StampedTransform {
     let (odom_frame, base_frame) = slam.frames();
-    let parent_from_child: Pose = pose.odom_from_base;
     StampedTransform {
         stamp: pose.stamp,
         frame_id: odom_frame.to_owned(),
         child_frame_id: base_frame.to_owned(),
-        parent_from_child,
+        parent_from_child: pose.odom_from_base,
     }
 }

@@ -42,7 +42,8 @@ pub fn query_objects<'a>(
             (labels.is_empty() || labels.iter().any(|label| label == object.label()))
                 && object.existence() >= request.min_existence
                 && (!request.in_region || is_in_region(&center, request))
-                && (!request.in_view || view.is_some_and(|view| view.sees(&center, request.max_range)))
+                && (!request.in_view
+                    || view.is_some_and(|view| view.sees(&center, request.max_range)))
         })
         .collect();
     if request.by_distance {

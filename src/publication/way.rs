@@ -57,9 +57,9 @@ impl Way {
 
     /// After all that is known now.
     pub(super) fn poses(&self, slam: &ObjectSlam) -> Vec<(Stamp, Pose)> {
-        let latest = self.latest.filter(|latest| {
-            self.poses.last().is_none_or(|last| last.stamp != latest.stamp)
-        });
+        let latest = self
+            .latest
+            .filter(|latest| self.poses.last().is_none_or(|last| last.stamp != latest.stamp));
         let all = self.poses.iter().chain(&latest);
         all.map(|pose| (pose.stamp, slam.map_from_base(pose))).collect()
     }
