@@ -25,8 +25,13 @@ if [ ! -e "$wheels" ]; then
   ln -s "$numpy" "$wheels/lib/python3.11/site-packages/numpy/_core/include"
 fi
 
+# CMake exports no include folder that is inside of the source: the environment is.
+rm -rf "$work/source"
+mkdir "$work/source"
+cp -r package.xml CMakeLists.txt msg srv config launch "$work/source"
+
 export PATH=$python/bin:$PATH AMENT_PREFIX_PATH=$python CMAKE_PREFIX_PATH=$python
-colcon --log-base "$work/log" build --base-paths . --packages-select ellipsoid_slam \
+colcon --log-base "$work/log" build --base-paths "$work/source" --packages-select ellipsoid_slam \
   --build-base "$work/build" --install-base "$work/install" \
   --cmake-args -DELLIPSOID_SLAM_PROGRAM=OFF -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$python/bin/python"
 
