@@ -26,7 +26,7 @@ if [ ! -e "$wheels" ]; then
 fi
 
 # CMake exports no include folder that is inside of the source: the environment is.
-rm -rf "$work/source"
+rm -rf "$work/source" "$work/build"
 mkdir "$work/source"
 cp -r package.xml CMakeLists.txt msg srv config launch "$work/source"
 
