@@ -23,7 +23,10 @@ pub(crate) fn drive(world: &[Keyframe], repeats: usize) -> Result<Run, String> {
     });
     fs::write(&path, text.to_string()).unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/object_graph/isam2.py");
-    let answer = run(Command::new(python()?).arg(script).arg(&path).arg(repeats.to_string()))?;
+    let answer = run(Command::new(python("tests/requirements.txt")?)
+        .arg(script)
+        .arg(&path)
+        .arg(repeats.to_string()))?;
     let answer: Value = serde_json::from_str(&answer).map_err(|e| e.to_string())?;
     let number = |key: &str| answer[key].as_f64().ok_or(format!("no {key}"));
     let times = serde_json::from_value(answer["times"].clone()).map_err(|e| e.to_string())?;

@@ -22,6 +22,9 @@ pub(super) struct Args {
     /// Begin again at the end, until interrupted.
     #[arg(long = "loop")]
     again: bool,
+    /// Only these topics.
+    #[arg(long, value_name = "TOPIC,...", value_delimiter = ',')]
+    topics: Vec<String>,
     /// How long to wait for somebody who listens before beginning.
     #[arg(long, value_name = "SECONDS", default_value_t = 3.0)]
     wait: f64,
@@ -32,7 +35,13 @@ pub(super) fn run(args: &Args) -> Outcome {
         return Err(Failure::Usage("--rate must be above zero".into()));
     }
     let bag = BagReader::open(&args.bag)?;
-    let topics = bag.topics().iter().filter(|topic| topic.encoding == "cdr");
+    let wanted = |name: &String| args.topics.is_empty() || args.topics.contains(name);
+    if let Some(name) =
+        args.topics.iter().find(|name| bag.topics().iter().all(|t| t.name != **name))
+    {
+        return Err(Failure::Usage(format!("{} has no topic {name}", args.bag.display())));
+    }
+    let topics = bag.topics().iter().filter(|topic| topic.encoding == "cdr" && wanted(&topic.name));
     let topics = topics.map(|topic| (topic.name.as_str(), topic.type_name.as_str()));
     let player = Player::new(DdsDomain::from_environment()?, topics, args.clock)?;
     let heard = player.wait_for_listeners(Duration::from_secs_f64(args.wait.clamp(0.0, 3600.0)));
@@ -56,7 +65,7 @@ fn play_once(args: &Args, bag: &BagReader, player: &Player) -> anyhow::Result<u6
     let Some((first, _)) = bag.time_range() else { return Ok(0) };
     let mut sent = 0;
     let mut told = first;
-    for message in bag.messages() {
+    for message in bag.messages().only(player.topics()) {
         let due =
             Duration::from_secs_f64((message.log_time.seconds_since(first) / args.rate).max(0.0));
         thread::sleep(due.saturating_sub(started.elapsed()));

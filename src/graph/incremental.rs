@@ -107,6 +107,11 @@ impl Graph {
         Self { settings, ..Self::default() }
     }
 
+    /// From now on these tolerances count.
+    pub fn change_settings(&mut self, settings: SolverSettings) {
+        self.settings = settings;
+    }
+
     /// Adds a pose; the next update needs factors that determine it.
     pub fn add_pose(&mut self, initial: Pose) -> PoseId {
         self.stage(Variable::Pose(initial));

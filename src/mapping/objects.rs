@@ -72,6 +72,12 @@ impl ObjectMap {
         }
     }
 
+    /// From now on these settings count; factors that are there stay as they are.
+    pub fn change_settings(&mut self, settings: MappingSettings, slam: SlamSettings) {
+        self.graph.change_settings(slam.solver);
+        (self.settings, self.slam) = (settings, slam);
+    }
+
     /// Joins what one keyframe saw: decides what it is and which factors it gives. Liao et al. 2020, section V.
     pub fn observe(&mut self, sighting: &Sighting) -> Sighted {
         let (objects, keyframes) = (self.objects.len(), self.chain.len());

@@ -5,7 +5,7 @@
 
 use crate::msg::{Message, std_msgs::Header};
 use byteorder::{BigEndian, LittleEndian};
-use serde::de::DeserializeOwned;
+use serde::{Serialize, de::DeserializeOwned};
 use thiserror::Error;
 
 /// Why bytes are not a message.
@@ -66,6 +66,13 @@ pub fn encode<T: Message>(message: &T) -> Result<Vec<u8>, CdrError> {
     cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, message)
         .map_err(|e| CdrError::NotWritable { type_name: T::TYPE, problem: e.to_string() })?;
     Ok(bytes)
+}
+
+/// How many bytes a value takes in CDR, with the header; nothing if it cannot be written.
+pub fn encoded_len<T: Serialize>(value: &T) -> Option<usize> {
+    let mut bytes = vec![0, 1, 0, 0];
+    cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, value).ok()?;
+    Some(bytes.len())
 }
 
 fn decode_as<T: DeserializeOwned>(bytes: &[u8], type_name: &'static str) -> Result<T, CdrError> {

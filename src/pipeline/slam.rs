@@ -84,6 +84,13 @@ impl ObjectSlam {
         Self { settings, sync, map, color_rays: None, depth_rays: None }
     }
 
+    /// From now on these settings count; what is in the map stays.
+    pub fn change_settings(&mut self, settings: Settings) {
+        self.sync.change_settings(settings.sync.clone());
+        self.map.change_settings(settings.mapping.clone(), settings.slam.clone());
+        self.settings = settings;
+    }
+
     /// Takes one message and does what it makes possible.
     pub fn handle(&mut self, input: Input, observer: &mut dyn StageObserver) -> Update {
         let mut update = Update::default();

@@ -113,6 +113,10 @@ impl Sync {
         }
     }
 
+    pub(super) fn change_settings(&mut self, settings: SyncSettings) {
+        self.settings = settings;
+    }
+
     /// The odometry's fixed frame and the base frame, as far as known.
     pub(super) fn frames(&self) -> (&str, &str) {
         match &self.odometry {

@@ -2,6 +2,7 @@
 
 use super::{outputs::send, status::Shared};
 use crate::{
+    config::Parameters,
     geometry::Pose,
     msg::{convert::tf_message, tf2_msgs::TFMessage},
     pipeline::StampedTransform,
@@ -12,6 +13,9 @@ use tokio::{
     sync::watch,
     time::{MissedTickBehavior, interval},
 };
+
+/// Between two broadcasts.
+const PERIOD: Duration = Duration::from_millis(50);
 
 /// What odometry has to be corrected by.
 #[derive(Clone, Debug)]
@@ -30,20 +34,26 @@ pub(super) async fn broadcast(
     publisher: Publisher<TFMessage>,
     correction: watch::Receiver<Option<Correction>>,
     status: Shared,
-    map_frame: String,
-    rate_hz: f64,
+    parameters: watch::Receiver<Parameters>,
 ) {
-    let mut ticks = interval(Duration::from_secs_f64(1.0 / rate_hz));
+    let mut ticks = interval(PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
         ticks.tick().await;
+        let (wanted, map_frame) = {
+            let own = &parameters.borrow().node;
+            (own.publish_tf, own.map_frame.clone())
+        };
+        if !wanted {
+            continue;
+        }
         let Some(Correction { odom_frame, map_from_odom }) = correction.borrow().clone() else {
             continue;
         };
         let Some(stamp) = status.lock().present else { continue };
         let transform = StampedTransform {
             stamp,
-            frame_id: map_frame.clone(),
+            frame_id: map_frame,
             child_frame_id: odom_frame,
             parent_from_child: map_from_odom,
         };

@@ -4,23 +4,31 @@
 //! they receive into the worker's inbox, which drops the oldest depth image when it is full; timers broadcast
 //! `map → odom` and diagnostics; services hand commands to the worker.
 //!
-//! ros2-client's spinner is not used. It would answer parameter services without descriptions, and what it knows of
-//! publishers is in discovery's own tables (`discovery.rs`).
+//! ros2-client's spinner is not used: it answers parameter services without descriptions and ranges, and what it
+//! would tell of publishers is in discovery's own tables (`discovery.rs`).
 
 mod broadcast;
+mod clock;
+mod diagnostics;
+mod discovery;
 mod inbox;
 mod names;
 mod node;
 mod outputs;
+mod parameters;
 mod participant;
 mod player;
+mod problems;
 mod qos;
 mod raw;
+mod same_name;
+mod services;
 mod status;
 mod subscriptions;
 mod worker;
 
-pub use names::Identity;
+pub use names::NameError;
 pub use node::{NodeError, run_node};
 pub use participant::{DdsDomain, DomainError};
 pub use player::{PlayError, Player};
+pub use worker::SaveMap;

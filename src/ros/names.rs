@@ -1,65 +1,23 @@
-//! Names of the node and its topics.
+//! Names of nodes, topics and types as ros2-client has them.
 
 use ros2_client::{MessageTypeName, Name, NodeName};
 use thiserror::Error;
 
-/// What the node is called, and what its topics are called instead.
-#[derive(Clone, Debug)]
-pub struct Identity {
-    /// `__node`.
-    pub name: String,
-    /// `__ns`, with a leading slash.
-    pub namespace: String,
-    /// Topics and services: from, to.
-    pub remaps: Vec<(String, String)>,
-}
-
 /// A name that ROS 2 does not allow.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("`{name}` is not a ROS 2 name: {problem}")]
+#[error("`{name}` is not a name in ROS 2: {problem}")]
 pub struct NameError {
     name: String,
     problem: String,
 }
 
-impl Default for Identity {
-    fn default() -> Self {
-        Self { name: "ellipsoid_slam".into(), namespace: "/".into(), remaps: Vec::new() }
-    }
+/// A node by its namespace and name.
+pub(super) fn node_name(namespace: &str, name: &str) -> Result<NodeName, NameError> {
+    NodeName::new(namespace, name)
+        .map_err(|e| NameError { name: name.to_owned(), problem: e.to_string() })
 }
 
-impl Identity {
-    /// The absolute name of a topic or service after remapping. `~` stands for the node.
-    pub(super) fn resolve(&self, name: &str) -> String {
-        let own = self.absolute(name);
-        let remap = self.remaps.iter().find(|(from, _)| self.absolute(from) == own);
-        remap.map_or(own, |(_, to)| self.absolute(to))
-    }
-
-    /// The name with namespace and node.
-    pub(super) fn full_name(&self) -> String {
-        join(&self.namespace, &self.name)
-    }
-
-    pub(super) fn node_name(&self) -> Result<NodeName, NameError> {
-        NodeName::new(&self.namespace, &self.name)
-            .map_err(|e| NameError { name: self.full_name(), problem: e.to_string() })
-    }
-
-    fn absolute(&self, name: &str) -> String {
-        match name.strip_prefix("~/") {
-            Some(private) => join(&self.full_name(), private),
-            None if name.starts_with('/') => name.to_owned(),
-            None => join(&self.namespace, name),
-        }
-    }
-}
-
-fn join(namespace: &str, name: &str) -> String {
-    format!("{}/{name}", namespace.trim_end_matches('/'))
-}
-
-/// A topic or service by its absolute name.
+/// A topic or service by its full name.
 pub(super) fn parsed(name: &str) -> Result<Name, NameError> {
     Name::parse(name).map_err(|e| NameError { name: name.to_owned(), problem: e.to_string() })
 }

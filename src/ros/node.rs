@@ -2,20 +2,26 @@
 
 use super::{
     broadcast::broadcast,
+    clock,
+    diagnostics::{Counts, Diagnostics},
     inbox::Inbox,
-    names::{Identity, NameError},
+    names::{NameError, node_name},
     outputs::{Outputs, publisher},
+    parameters::Live,
     participant::{DdsDomain, DomainError},
+    problems::Problems,
     qos,
+    same_name::SameName,
+    services::serve_map,
     status::Shared,
-    subscriptions::Subscriptions,
-    worker::Worker,
+    subscriptions::{Listening, Subscriptions},
+    worker::{SaveMap, Worker},
 };
 use crate::{
-    config::NodeSettings,
-    pipeline::{ObjectSlam, Settings},
+    config::{NodeSettings, Parameters, RosArguments},
+    pipeline::ObjectSlam,
 };
-use ros2_client::{CreateError, Node, NodeOptions};
+use ros2_client::{Context, CreateError, Node, NodeOptions};
 use std::{io, sync::Arc, thread};
 use thiserror::Error;
 use tokio::{
@@ -62,21 +68,36 @@ impl NodeError {
 /// When it cannot start, or its worker ends.
 pub fn run_node(
     domain: DdsDomain,
-    identity: &Identity,
-    settings: &Settings,
-    own: &NodeSettings,
+    arguments: &RosArguments,
+    parameters: Parameters,
+    save_map: SaveMap,
 ) -> Result<(), NodeError> {
     let runtime = runtime::Builder::new_current_thread().enable_all().build()?;
     let context = domain.join()?;
     // Variables are dropped in reverse order: tasks with their subscriptions and publishers first, then the node,
     // then the context. Otherwise others would believe the node to be alive.
-    let mut node = context
-        .new_node(identity.node_name()?, NodeOptions::new().start_parameter_services(false))
-        .map_err(|e| NodeError::Create { what: identity.full_name(), problem: e.to_string() })?;
+    let name = arguments.full_name();
+    let node = context
+        .new_node(
+            node_name(arguments.namespace(), arguments.node())?,
+            NodeOptions::new().start_parameter_services(false),
+        )
+        .map_err(|e| NodeError::Create { what: name.clone(), problem: e.to_string() })?;
     let tasks = LocalSet::new();
-    let running = Running::start(&mut node, identity, settings, own, &tasks)?;
-    tracing::info!("{} runs in domain {}", identity.full_name(), domain.id);
-    runtime.block_on(tasks.run_until(running.until_stopped()))
+    let mut start = Start { context: &context, node, arguments, tasks: &tasks };
+    let running = start.everything(parameters, save_map)?;
+    tracing::info!("{name} runs in domain {}", domain.id);
+    let outcome = runtime.block_on(tasks.run_until(running.until_stopped()));
+    drop(runtime);
+    outcome
+}
+
+/// What parts of the node are made from.
+struct Start<'a> {
+    context: &'a Context,
+    node: Node,
+    arguments: &'a RosArguments,
+    tasks: &'a LocalSet,
 }
 
 /// A node that has started.
@@ -86,49 +107,91 @@ struct Running {
     ended: oneshot::Receiver<()>,
 }
 
-impl Running {
-    fn start(
-        node: &mut Node,
-        identity: &Identity,
-        settings: &Settings,
-        own: &NodeSettings,
-        tasks: &LocalSet,
-    ) -> Result<Self, NodeError> {
+/// Most depth images that wait for the one before them to be worked on.
+const MOST_DEPTH: usize = 10;
+
+impl Start<'_> {
+    fn everything(
+        &mut self,
+        parameters: Parameters,
+        save_map: SaveMap,
+    ) -> Result<Running, NodeError> {
         let status = Shared::default();
-        let inbox = Arc::new(Inbox::new(own.queue_size));
+        let inbox = Arc::new(Inbox::new(MOST_DEPTH));
+        let live = Live::new(parameters.clone(), Arc::clone(&inbox));
         let (correction, corrected) = watch::channel(None);
+        let own = parameters.node.clone();
         let worker = Worker {
-            slam: ObjectSlam::new(settings.clone()),
-            settings: settings.clone(),
-            outputs: Outputs::create(node, identity, own)?,
+            slam: ObjectSlam::new(parameters.slam.clone()),
+            parameters,
+            outputs: Outputs::create(&mut self.node, self.arguments, &own)?,
             inbox: Arc::clone(&inbox),
             status: status.clone(),
             correction,
+            save_map,
             paused: false,
         };
+        let tf = publisher(&mut self.node, &self.arguments.resolve("/tf"), qos::tf())?;
+        self.tasks.spawn_local(broadcast(tf, corrected, status.clone(), live.watch()));
+        live.serve(&mut self.node, self.arguments, self.tasks)?;
+        serve_map(&mut self.node, self.arguments, &inbox, self.tasks)?;
+        if own.use_sim_time {
+            self.tasks.spawn_local(clock::follow(&mut self.node, status.clone())?);
+        }
+        let listening = self.subscriptions(&own, &inbox, &status)?;
+        self.diagnostics(listening, &inbox, &status)?;
         let (ends, ended) = oneshot::channel();
         let worker = thread::Builder::new().name("slam".into()).spawn(move || {
             // Dropped when the worker ends, however it ends.
             let _ends: oneshot::Sender<()> = ends;
             worker.run();
         })?;
-        if own.publish_tf {
-            let tf = publisher(node, "/tf", qos::stream(qos::TF_DEPTH))?;
-            let frame = own.map_frame.clone();
-            tasks.spawn_local(broadcast(tf, corrected, status.clone(), frame, own.tf_rate_hz));
-        }
+        Ok(Running { inbox, worker, ended })
+    }
+
+    fn subscriptions(
+        &mut self,
+        own: &NodeSettings,
+        inbox: &Arc<Inbox>,
+        status: &Shared,
+    ) -> Result<Vec<Listening>, NodeError> {
         let mut subscriptions = Subscriptions {
-            node,
-            identity,
-            inbox: &inbox,
-            status: &status,
-            tasks,
+            node: &mut self.node,
+            arguments: self.arguments,
+            inbox,
+            status,
+            tasks: self.tasks,
             listening: Vec::new(),
         };
         subscriptions.all(own)?;
-        Ok(Self { inbox, worker, ended })
+        Ok(subscriptions.listening)
     }
 
+    fn diagnostics(
+        &mut self,
+        listening: Vec<Listening>,
+        inbox: &Arc<Inbox>,
+        status: &Shared,
+    ) -> Result<(), NodeError> {
+        let topic = self.arguments.resolve("/diagnostics");
+        let name = self.arguments.full_name();
+        let diagnostics = Diagnostics {
+            publisher: publisher(&mut self.node, &topic, qos::stream(10))?,
+            node: name.clone(),
+            participant: self.context.domain_participant(),
+            listening,
+            same_name: SameName::listen(self.context, &mut self.node, name)?,
+            inbox: Arc::clone(inbox),
+            status: status.clone(),
+            problems: Problems::default(),
+            before: Counts::default(),
+        };
+        self.tasks.spawn_local(diagnostics.run());
+        Ok(())
+    }
+}
+
+impl Running {
     async fn until_stopped(self) -> Result<(), NodeError> {
         let (mut interrupt, mut terminate) =
             (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?);

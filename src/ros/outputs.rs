@@ -1,20 +1,20 @@
 //! From updates to topics.
 
 use super::{
-    names::{Identity, parsed, type_name},
+    names::{parsed, type_name},
     node::NodeError,
     qos,
 };
 use crate::{
-    config::NodeSettings,
+    config::{NodeSettings, RosArguments},
     geometry::Pose,
     mapping::MapObject,
     msg::{
         Message,
-        convert::{detections_3d, object_markers, odometry_message, path},
+        convert::{detections_3d, header, object_markers, odometry_message, path},
         nav_msgs::{Odometry, Path},
         vision_msgs::Detection3DArray,
-        visualization_msgs::MarkerArray,
+        visualization_msgs::{Marker, MarkerArray},
     },
     pipeline::{FramePose, ObjectSlam, OdometryMessage, Update},
     time::Stamp,
@@ -46,10 +46,10 @@ pub(super) struct Outputs {
 impl Outputs {
     pub(super) fn create(
         node: &mut Node,
-        identity: &Identity,
+        arguments: &RosArguments,
         settings: &NodeSettings,
     ) -> Result<Self, NodeError> {
-        let topic = |name: &str| identity.resolve(&format!("~/{name}"));
+        let topic = |name: &str| arguments.resolve(&format!("~/{name}"));
         Ok(Self {
             map_frame: settings.map_frame.clone(),
             markers: publisher(node, &topic("markers"), qos::latched())?,
@@ -69,6 +69,20 @@ impl Outputs {
         if let Some(keyframe) = update.keyframes.last() {
             self.map(slam, keyframe.stamp);
         }
+    }
+
+    /// The map is empty again: everything that was marked goes.
+    pub(super) fn clear(&mut self, stamp: Stamp) {
+        self.poses.clear();
+        self.path_published = 0;
+        let everything = Marker {
+            header: header(stamp, &self.map_frame),
+            action: Marker::DELETEALL,
+            ..Marker::default()
+        };
+        send(&self.markers, MarkerArray { markers: vec![everything] });
+        send(&self.objects, detections_3d([], stamp, &self.map_frame));
+        send(&self.path, path(&[], stamp, &self.map_frame));
     }
 
     fn pose(&mut self, pose: &FramePose, base_frame: &str) {

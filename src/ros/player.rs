@@ -66,11 +66,8 @@ impl Player {
         let mut node =
             context.new_node(name, NodeOptions::new()).map_err(|e| create(NODE)(e.to_string()))?;
         let mut publish = |topic: &str, kind: &str| -> Result<Publisher<RawCdr>, PlayError> {
-            let qos = if topic.ends_with("/tf_static") {
-                qos::recorded_latched()
-            } else {
-                qos::stream(DEPTH)
-            };
+            let qos =
+                if topic.ends_with("/tf_static") { qos::tf_static() } else { qos::stream(DEPTH) };
             let dds = node
                 .create_topic(&parsed(topic)?, type_name(kind), &qos)
                 .map_err(|e| create(topic)(e.to_string()))?;
@@ -98,6 +95,11 @@ impl Player {
             }
             thread::sleep(Duration::from_millis(50));
         }
+    }
+
+    /// The topics that it publishes on.
+    pub fn topics(&self) -> impl Iterator<Item = &str> {
+        self.publishers.keys().map(String::as_str)
     }
 
     /// Publishes CDR bytes on one of the topics.

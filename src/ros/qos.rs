@@ -12,10 +12,17 @@ pub(super) fn input(qos: Qos, depth: usize) -> QosProfile {
     match qos {
         Qos::SensorData => profile,
         Qos::Reliable => profile.reliability_reliable(WhenFull::DEFAULT),
-        Qos::Latched => {
-            profile.reliability_reliable(WhenFull::DEFAULT).durability(Durability::TransientLocal)
-        }
     }
+}
+
+/// Of `/tf`, as tf2 has it.
+pub(super) fn tf() -> QosProfile {
+    stream(TF_DEPTH)
+}
+
+/// Of `/tf_static`, as tf2 has it: what was said before one came is what matters.
+pub(super) fn tf_static() -> QosProfile {
+    stream(TF_DEPTH).durability(Durability::TransientLocal)
 }
 
 /// Of a stream of outputs.
@@ -33,10 +40,5 @@ pub(super) fn service() -> QosProfile {
     stream(10)
 }
 
-/// Messages of `/tf` kept until they are read: tf2's own depth.
-pub(super) const TF_DEPTH: usize = 100;
-
-/// Of a recording's latched topic: it may have said several things.
-pub(super) fn recorded_latched() -> QosProfile {
-    stream(TF_DEPTH).durability(Durability::TransientLocal)
-}
+/// Messages of `/tf` kept until they are read.
+const TF_DEPTH: usize = 100;

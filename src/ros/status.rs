@@ -8,7 +8,7 @@ use crate::{
 use std::{
     collections::BTreeMap,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
-    time::{Duration, Instant},
+    time::{Duration, Instant, SystemTime},
 };
 
 /// Shared between all parts of the node.
@@ -37,6 +37,18 @@ pub(super) struct Status {
     pub(super) present: Option<Stamp>,
     /// Nothing is worked on.
     pub(super) paused: bool,
+    /// What `/clock` says, for a node that follows it.
+    pub(super) sim_time: Option<Stamp>,
+    /// The latest time that the data's time went back.
+    pub(super) jump: Option<Jump>,
+}
+
+/// The data's time went back.
+#[derive(Clone, Debug)]
+pub(super) struct Jump {
+    pub(super) count: u64,
+    pub(super) topic: String,
+    back_s: f64,
 }
 
 /// One input topic.
@@ -56,8 +68,8 @@ impl Shared {
     /// A message came.
     pub(super) fn received(&self, topic: &str, stamp: Option<Stamp>, is_present: bool) {
         let mut status = self.lock();
-        if is_present {
-            status.present = stamp.or(status.present);
+        if is_present && let Some(stamp) = stamp {
+            status.move_present(topic, stamp);
         }
         let input = status.inputs.entry(topic.to_owned()).or_default();
         input.received += 1;
@@ -65,15 +77,10 @@ impl Shared {
         input.stamp = stamp;
     }
 
-    /// A message, or a part of one, could not be used. Whether it is the first of its kind on this topic.
+    /// A message, or a part of one, could not be used.
     pub(super) fn skipped(&self, topic: &str, why: ConvertError) {
         let skipped = Skipped { topic: topic.to_owned(), why };
         let mut status = self.lock();
-        let known =
-            status.skipped.iter().any(|(t, reason, ..)| t == topic && reason == skipped.reason());
-        if !known {
-            tracing::warn!("{skipped}");
-        }
         status.skipped.add(skipped);
     }
 
@@ -93,6 +100,40 @@ impl Shared {
             entry.1.clone_from(&dropped.why);
         }
     }
+}
+
+impl Status {
+    /// What time it is for ROS.
+    pub(super) fn ros_time(&self) -> Stamp {
+        self.sim_time.unwrap_or_else(system_time)
+    }
+
+    fn move_present(&mut self, topic: &str, stamp: Stamp) {
+        let back_s = self.present.map_or(0.0, |present| present.seconds_since(stamp));
+        if back_s >= JUMP_S {
+            let count = self.jump.as_ref().map_or(0, |jump| jump.count) + 1;
+            self.jump = Some(Jump { count, topic: topic.to_owned(), back_s });
+        }
+        self.present = Some(stamp);
+    }
+}
+
+impl Jump {
+    pub(super) fn what(&self) -> String {
+        format!(
+            "the stamps of {} went back by {:.1} s: what waited for its partners was dropped, the map is kept",
+            self.topic, self.back_s
+        )
+    }
+}
+
+/// Stamps of two topics may differ by the time that an image takes; more is a restart.
+const JUMP_S: f64 = 1.0;
+
+#[expect(clippy::disallowed_methods, reason = "a shell reads the clock; the core does not")]
+fn system_time() -> Stamp {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    Stamp::from_nanos(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
 }
 
 /// The node is a shell: it may read the clock.

@@ -2,13 +2,13 @@
 
 use super::{
     inbox::Inbox,
-    names::{Identity, parsed, type_name},
+    names::{parsed, type_name},
     node::NodeError,
     qos,
     status::Shared,
 };
 use crate::{
-    config::{NodeSettings, Qos},
+    config::{DepthTransport, DetectionsType, NodeSettings, Qos, RosArguments},
     msg::{
         Message,
         cdr::CdrError,
@@ -17,6 +17,7 @@ use crate::{
         sensor_msgs::{CameraInfo, CompressedImage, Image},
         tf2_msgs::TFMessage,
         vision_msgs::Detection2DArray,
+        yolo_msgs::DetectionArray,
     },
     pipeline::{CameraRole, Input},
     time::Stamp,
@@ -43,7 +44,7 @@ pub(super) struct Listening {
 /// Everything that a subscription needs.
 pub(super) struct Subscriptions<'a> {
     pub(super) node: &'a mut Node,
-    pub(super) identity: &'a Identity,
+    pub(super) arguments: &'a RosArguments,
     pub(super) inbox: &'a Arc<Inbox>,
     pub(super) status: &'a Shared,
     pub(super) tasks: &'a LocalSet,
@@ -57,78 +58,104 @@ const SMALL_DEPTH: usize = 50;
 impl Subscriptions<'_> {
     /// Subscribes to all inputs.
     pub(super) fn all(&mut self, settings: &NodeSettings) -> Result<(), NodeError> {
-        let rgb = self.identity.resolve("rgb");
-        let depth = self.identity.resolve("depth");
-        // Without a name for the colour images, boxes are taken to live in the depth images.
-        let images = if rgb == self.identity.resolve("/rgb") { &depth } else { &rgb };
-        let (color_rectified, depth_rectified) = (is_rectified(images), is_rectified(&depth));
-        self.depth(&depth, settings)?;
-        let size: Rc<Cell<Option<(u32, u32)>>> = Rc::default();
+        let topics = &settings.topics;
+        let depth = self.arguments.resolve(&topics.depth);
+        // Without colour images, boxes are taken to live in the depth images.
+        let images = match topics.rgb.as_str() {
+            "" => depth.clone(),
+            rgb => self.arguments.resolve(rgb),
+        };
+        self.depth(depth_topic(&depth, topics.depth_transport), settings.qos.depth)?;
+        let size = self.cameras(settings, is_rectified(&images), is_rectified(&depth))?;
+        if !topics.odometry.is_empty() {
+            let role = Role { role: "odometry", needed: true, is_present: true };
+            let topic = self.arguments.resolve(&topics.odometry);
+            let qos = qos::input(settings.qos.odometry, SMALL_DEPTH);
+            self.listen(role, &topic, qos, |odometry: Odometry, _| {
+                convert::odometry(&odometry).map(Input::Odometry)
+            })?;
+        }
+        self.detections(settings, size)?;
+        self.transforms("/tf", qos::tf(), false)?;
+        self.transforms("/tf_static", qos::tf_static(), true)
+    }
+
+    fn depth(&mut self, topic: String, qos: Qos) -> Result<(), NodeError> {
+        let role = Role { role: "depth", needed: true, is_present: true };
+        let qos = qos::input(qos, IMAGE_DEPTH);
+        if without_transport(&topic) == topic {
+            self.listen(role, &topic, qos, |image: Image, _| {
+                convert::depth_image(&image).map(Input::Depth)
+            })
+        } else {
+            self.listen(role, &topic, qos, |image: CompressedImage, _| {
+                convert::compressed_depth_image(&image).map(Input::Depth)
+            })
+        }
+    }
+
+    /// Both calibrations. Gives the size of the colour images, as soon as it is known.
+    fn cameras(
+        &mut self,
+        settings: &NodeSettings,
+        color_rectified: bool,
+        depth_rectified: bool,
+    ) -> Result<ImageSize, NodeError> {
+        let size = ImageSize::default();
         let known = Rc::clone(&size);
-        let info = Role { role: "camera_info", needed: true, is_present: false };
-        self.subscribe(info, settings.qos.camera_info, SMALL_DEPTH, move |info: CameraInfo, _| {
+        let qos = qos::input(settings.qos.camera_info, SMALL_DEPTH);
+        let role = Role { role: "camera_info", needed: true, is_present: false };
+        let topic = self.arguments.resolve(&settings.topics.camera_info);
+        self.listen(role, &topic, qos.clone(), move |info: CameraInfo, _| {
             let message = convert::camera(&info, CameraRole::Color, color_rectified)?;
             known.set(Some((message.camera.width(), message.camera.height())));
             Ok(Input::Camera(message))
         })?;
-        let info = Role { role: "depth_camera_info", needed: false, is_present: false };
-        let qos = settings.qos.depth_camera_info;
-        self.subscribe(info, qos, SMALL_DEPTH, move |info: CameraInfo, _| {
-            convert::camera(&info, CameraRole::Depth, depth_rectified).map(Input::Camera)
-        })?;
-        let odometry = Role { role: "odometry", needed: false, is_present: true };
-        self.subscribe(odometry, settings.qos.odometry, SMALL_DEPTH, |odometry: Odometry, _| {
-            convert::odometry(&odometry).map(Input::Odometry)
-        })?;
-        let boxes = Role { role: "detections", needed: true, is_present: false };
-        let qos = settings.qos.detections;
-        self.subscribe(boxes, qos, SMALL_DEPTH, move |boxes: Detection2DArray, left_out| {
-            let (boxes, bad) = convert::detections(&boxes, size.get());
-            left_out.extend(bad);
-            Ok(Input::Detections(boxes))
-        })?;
-        self.transforms("/tf", Qos::Reliable, false)?;
-        self.transforms("/tf_static", Qos::Latched, true)
+        if !settings.topics.depth_camera_info.is_empty() {
+            let role = Role { role: "depth_camera_info", needed: true, is_present: false };
+            let topic = self.arguments.resolve(&settings.topics.depth_camera_info);
+            self.listen(role, &topic, qos, move |info: CameraInfo, _| {
+                convert::camera(&info, CameraRole::Depth, depth_rectified).map(Input::Camera)
+            })?;
+        }
+        Ok(size)
     }
 
-    /// The end of the topic's name says how images come, as image_transport has it.
-    fn depth(&mut self, topic: &str, settings: &NodeSettings) -> Result<(), NodeError> {
-        let role = Role { role: "depth", needed: true, is_present: true };
-        let qos = qos::input(settings.qos.depth, IMAGE_DEPTH);
-        if without_transport(topic) == topic {
-            self.listen(role, topic, qos, |image: Image, _| {
-                convert::depth_image(&image).map(Input::Depth)
-            })
-        } else {
-            self.listen(role, topic, qos, |image: CompressedImage, _| {
-                convert::compressed_depth_image(&image).map(Input::Depth)
-            })
+    fn detections(&mut self, settings: &NodeSettings, size: ImageSize) -> Result<(), NodeError> {
+        let role = Role { role: "detections", needed: true, is_present: false };
+        let topic = self.arguments.resolve(&settings.topics.detections);
+        let qos = qos::input(settings.qos.detections, SMALL_DEPTH);
+        match settings.topics.detections_type {
+            DetectionsType::VisionMsgs => {
+                self.listen(role, &topic, qos, move |boxes: Detection2DArray, left_out| {
+                    let (boxes, bad) = convert::detections(&boxes, size.get());
+                    left_out.extend(bad);
+                    Ok(Input::Detections(boxes))
+                })
+            }
+            DetectionsType::YoloMsgs => {
+                self.listen(role, &topic, qos, move |boxes: DetectionArray, left_out| {
+                    let (boxes, bad) = convert::yolo_detections(&boxes, size.get());
+                    left_out.extend(bad);
+                    Ok(Input::Detections(boxes))
+                })
+            }
         }
     }
 
     fn transforms(
         &mut self,
         topic: &'static str,
-        qos: Qos,
+        qos: QosProfile,
         is_static: bool,
     ) -> Result<(), NodeError> {
-        let role = Role { role: topic, needed: false, is_present: false };
-        self.subscribe(role, qos, qos::TF_DEPTH, move |message: TFMessage, left_out| {
+        let role = Role { role: "transforms", needed: false, is_present: false };
+        let resolved = self.arguments.resolve(topic);
+        self.listen(role, &resolved, qos, move |message: TFMessage, left_out| {
             let (transforms, bad) = convert::transforms(&message);
             left_out.extend(bad);
             Ok(Input::Transforms { is_static, transforms })
         })
-    }
-
-    fn subscribe<M: Message + 'static>(
-        &mut self,
-        role: Role,
-        qos: Qos,
-        depth: usize,
-        convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Input, ConvertError> + 'static,
-    ) -> Result<(), NodeError> {
-        let topic = self.identity.resolve(role.role);
-        self.listen(role, &topic, qos::input(qos, depth), convert)
     }
 
     /// Subscribes and starts the task that passes messages on.
@@ -156,6 +183,19 @@ impl Subscriptions<'_> {
         self.tasks.spawn_local(passing.on(subscription, convert));
         Ok(())
     }
+}
+
+/// `(width, height)` of the colour images, once a calibration said so.
+type ImageSize = Rc<Cell<Option<(u32, u32)>>>;
+
+/// The topic of a transport; a name that has it already is taken as it is.
+fn depth_topic(depth: &str, transport: DepthTransport) -> String {
+    let end = match transport {
+        DepthTransport::Raw => "",
+        DepthTransport::Compressed => "/compressed",
+        DepthTransport::CompressedDepth => "/compressedDepth",
+    };
+    if without_transport(depth) == depth { format!("{depth}{end}") } else { depth.to_owned() }
 }
 
 /// What a topic is for.

@@ -7,17 +7,22 @@ use std::{
     sync::Mutex,
 };
 
-/// The environment's Python, made when it is not there or when `tests/requirements.txt` has changed.
+/// Python of an environment with the packages of a file, made when it is not there or when the file has changed:
+/// `tests/requirements.txt` is installed in `target/python`, `tests/ros/requirements.txt` in `target/python_ros`.
 ///
 /// # Errors
 /// What went wrong when it was made, with the command.
-pub(crate) fn python() -> Result<PathBuf, String> {
+pub(crate) fn python(requirements: &str) -> Result<PathBuf, String> {
     /// Tests run side by side and one environment is enough.
     static MAKING: Mutex<()> = Mutex::new(());
     let _making = MAKING.lock().map_err(|e| e.to_string())?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let environment = root.join("target/python");
-    let requirements = root.join("tests/requirements.txt");
+    let requirements = root.join(requirements);
+    let folder = requirements.parent().and_then(Path::file_name).unwrap_or_default();
+    let environment = match folder.to_string_lossy().as_ref() {
+        "tests" => root.join("target/python"),
+        other => root.join(format!("target/python_{other}")),
+    };
     let wanted = fs::read(&requirements).map_err(|e| format!("{}: {e}", requirements.display()))?;
     let (stamp, python) = (environment.join("installed.txt"), environment.join("bin/python"));
     if fs::read(&stamp).ok().as_ref() != Some(&wanted) {

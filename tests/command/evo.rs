@@ -55,7 +55,11 @@ fn ate_and_rpe_of_random_pairs_are_those_of_evo() {
         (1..=6).map(|seed: u64| folder.path().join(seed.to_string())).collect();
     (1..).zip(&pairs).for_each(|(seed, pair)| write_pair(pair, seed));
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command/evo_numbers.py");
-    let output = Command::new(python().unwrap()).arg(script).args(&pairs).output().unwrap();
+    let output = Command::new(python("tests/requirements.txt").unwrap())
+        .arg(script)
+        .args(&pairs)
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     let by_evo: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(by_evo.len(), pairs.len());

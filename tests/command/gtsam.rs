@@ -177,7 +177,9 @@ fn gtsam_finds_the_same_optimum() {
         let mut problem = Problem::new(seed);
         let path = folder.path().join("graph.json");
         fs::write(&path, problem.with_values().to_string()).unwrap();
-        let answer = run(Command::new(python().unwrap()).arg(&script).arg(&path)).unwrap();
+        let answer =
+            run(Command::new(python("tests/requirements.txt").unwrap()).arg(&script).arg(&path))
+                .unwrap();
         let answer: Value = serde_json::from_str(&answer).unwrap();
         let number = |key: &str| answer[key].as_f64().unwrap();
 

@@ -1,0 +1,77 @@
+//! Other nodes of our own name: ROS 2 allows them, and then services answer twice.
+
+use super::{node::NodeError, problems::Problem};
+use ros2_client::{
+    Context, Gid, Node, Subscription,
+    builtin_topics::ros_discovery,
+    dds::rustdds::{TopicKind, discovery::DiscoveredWriterData},
+    entities_info::ParticipantEntitiesInfo,
+};
+use std::collections::BTreeSet;
+
+/// Listens to what participants say about their nodes.
+pub(super) struct SameName {
+    infos: Subscription<ParticipantEntitiesInfo>,
+    own: Gid,
+    full_name: String,
+    others: BTreeSet<Gid>,
+}
+
+impl SameName {
+    pub(super) fn listen(
+        context: &Context,
+        node: &mut Node,
+        full_name: String,
+    ) -> Result<Self, NodeError> {
+        let participant = context.domain_participant();
+        let failed =
+            |problem: String| NodeError::Create { what: ros_discovery::TOPIC_NAME.into(), problem };
+        let topic = participant
+            .create_topic(
+                ros_discovery::TOPIC_NAME.into(),
+                ros_discovery::TYPE_NAME.into(),
+                &ros_discovery::QOS_PUB,
+                TopicKind::NoKey,
+            )
+            .map_err(|e| failed(e.to_string()))?;
+        let infos = node.create_subscription(&topic, None).map_err(|e| failed(e.to_string()))?;
+        let own = context.participant_entities_info().gid();
+        Ok(Self { infos, own, full_name, others: BTreeSet::new() })
+    }
+
+    /// Whether another participant has a node of our name at present.
+    pub(super) fn problem(&mut self, writers: &[DiscoveredWriterData]) -> Option<Problem> {
+        while let Ok(Some((info, _))) = self.infos.take() {
+            let named_alike =
+                info.nodes().iter().any(|node| node.fully_qualified_name() == self.full_name);
+            if info.gid() == self.own {
+                continue;
+            }
+            if named_alike {
+                self.others.insert(info.gid());
+            } else {
+                self.others.remove(&info.gid());
+            }
+        }
+        // One that was killed says nothing any more, but discovery has forgotten its publishers.
+        let lives = |other: &Gid| {
+            let participant = |gid: Gid| gid.to_bytes16().into_iter().take(GUID_PREFIX);
+            writers
+                .iter()
+                .any(|w| participant(w.publication_topic_data.key.into()).eq(participant(*other)))
+        };
+        self.others.retain(lives);
+        if self.others.is_empty() {
+            return None;
+        }
+        let name = &self.full_name;
+        let what = format!(
+            "another node is called {name} too: services and parameters may reach the wrong one; \
+             give one another name with `-r __node:=NAME`"
+        );
+        Some(Problem::new("same_name", name, what))
+    }
+}
+
+/// Bytes of a GUID that name the participant.
+const GUID_PREFIX: usize = 12;

@@ -1,0 +1,60 @@
+//! What goes wrong is named in one log line and in diagnostics; then work goes on.
+
+use crate::processes::{BAG, BAG_TOPICS, Stage, succeeded};
+
+/// A sentence of the log, and a part of it that says which.
+const FAULTS: [(&str, &str); 7] = [
+    ("no publisher", "nobody publishes /detections (detections, vision_msgs/msg/Detection2DArray)"),
+    ("wrong type", "/detections is published as sensor_msgs/msg/CameraInfo, but detections needs"),
+    ("malformed CDR", "/depth/image: the bytes are not a sensor_msgs/msg/Image"),
+    (
+        "incompatible QoS",
+        "the quality of service of /rgb/camera_info does not match: camera_info asks for reliable",
+    ),
+    (
+        "wrong size",
+        "/depth/image: an image of 4x4 in 16UC1 with 8 bytes a row does not fit 7 bytes",
+    ),
+    ("time back", "the stamps of /odom went back by 90.0 s"),
+    ("silent publisher", "/odom (odometry) has a publisher, but nothing comes"),
+];
+
+#[test]
+fn faults_of_publishers_are_named_once_and_in_diagnostics() {
+    let stage = Stage::new();
+    let node = stage.node(&["-p", "qos.camera_info:=reliable"]);
+    node.wait_for("runs in domain");
+    let _malformed = stage.start(stage.peer("cyclone_malformed.py", &[]), "malformed");
+    let sentences = FAULTS.map(|(_, words)| words);
+    let peer = stage.peer("rclpy_faults.py", &sentences).output().unwrap();
+    succeeded(&peer, &node);
+    let log = node.log();
+    for (fault, words) in FAULTS {
+        let lines = log.lines().filter(|l| l.contains(words) && l.contains("WARN"));
+        assert_eq!(lines.count(), 1, "{fault}: `{words}` in\n{log}");
+    }
+}
+
+#[test]
+fn work_resumes_when_transforms_come_and_a_second_node_of_the_name_is_named() {
+    let stage = Stage::new();
+    let node = stage.node(&BAG_TOPICS);
+    node.wait_for("runs in domain");
+    let mut twin = stage.node_as("twin", &BAG_TOPICS);
+    node.wait_for("another node is called /ellipsoid_slam too");
+    twin.stop("TERM");
+    node.wait_for("no longer: another node");
+
+    let without = "/odom,/camera/aligned_depth_to_color/image_raw/compressedDepth,/camera/color/camera_info,/detections";
+    let play = ["play", BAG, "--rate", "4", "--wait", "60", "--topics", without];
+    succeeded(&stage.program(&play).output().unwrap(), &node);
+    node.wait_for("no transform connects");
+    // The same time once more, now with transforms: the bag is started again.
+    succeeded(
+        &stage.program(&["play", BAG, "--rate", "2", "--wait", "60"]).output().unwrap(),
+        &node,
+    );
+    node.wait_for("went back by");
+    let peer = stage.peer("rclpy_objects.py", &[]).output().unwrap();
+    succeeded(&peer, &node);
+}

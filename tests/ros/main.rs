@@ -1,0 +1,11 @@
+//! The live node against real peers: ROS 2's own rclpy on Fast DDS, and Cyclone DDS.
+//!
+//! Every test has a DDS domain of its own and stays on the loopback interface.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on shall say where")]
+
+mod cyclone;
+#[path = "../command/environment.rs"]
+mod environment;
+mod fast_dds;
+mod faults;
+mod processes;
