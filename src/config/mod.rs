@@ -14,7 +14,8 @@ mod values;
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use keys::{Key, keys};
 pub use node_settings::{
-    DetectionsType, InputQos, InputTopics, NodeSettings, PublishSettings, Qos,
+    DepthTransport, DetectionsType, MapFileSettings, NodeSettings, PublishSettings, Qos,
+    QosSettings, RgbTransport, TopicSettings,
 };
 pub use parameters::{Parameter, Parameters, key_of};
 pub use text::{ConfigError, parameters_from_yaml, parameters_to_yaml, sections_of};

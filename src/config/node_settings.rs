@@ -2,92 +2,124 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a live node is told besides the settings of the method. Of these, replay heeds the map's frame and what is
-/// published.
+/// What a live node is told besides the settings of the method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NodeSettings {
-    /// Time comes from `/clock`.
+    /// Whether time comes from `/clock`.
     pub use_sim_time: bool,
-    /// Whether `map → odom` is broadcast.
-    pub publish_tf: bool,
-    /// How often `map → odom` is broadcast (Hz).
-    pub tf_rate_hz: f64,
     /// Frame of the map.
     pub map_frame: String,
-    /// Most depth images that wait for the one before them to be worked on.
-    pub queue_size: usize,
-    /// What the detector publishes.
-    pub detections_type: DetectionsType,
-    /// A map to begin with; empty: none.
-    pub load_map: String,
-    /// Where the map is saved at the end and by the service; empty: at the end nowhere.
-    pub save_map: String,
-    /// Topics of the inputs.
-    pub topics: InputTopics,
-    /// Quality of service of the inputs.
-    pub qos: InputQos,
+    /// Whether `map -> odom` is published. Two programs that do so fight.
+    pub publish_tf: bool,
+    /// Topics, relative to the node's namespace unless they begin with a slash.
+    pub topics: TopicSettings,
+    /// Quality of service of what is received.
+    pub qos: QosSettings,
+    /// The map's file.
+    pub map: MapFileSettings,
     /// What is published besides markers, boxes, objects, path and odometry.
     pub publish: PublishSettings,
 }
 
-/// The topic of each input, before remapping. The end of an image's topic says how it comes: `/compressed`,
-/// `/compressedDepth`.
+/// Names of the topics that are received. A remapping changes them too.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct InputTopics {
-    /// Colour images.
+pub struct TopicSettings {
+    /// Colour images; empty: none are received.
     pub rgb: String,
+    /// How colour images are sent.
+    pub rgb_transport: RgbTransport,
     /// Depth images.
     pub depth: String,
+    /// How depth images are sent.
+    pub depth_transport: DepthTransport,
     /// Calibration of the colour camera.
     pub camera_info: String,
-    /// Calibration of the depth camera, where depth is not aligned to colour.
+    /// Calibration of the depth camera; empty: depth is aligned to colour.
     pub depth_camera_info: String,
-    /// Odometry; without it TF says where the base is.
+    /// Odometry; empty: TF says where the base is.
     pub odometry: String,
     /// 2D boxes.
     pub detections: String,
+    /// Their message type.
+    pub detections_type: DetectionsType,
 }
 
-/// Quality of service of each input.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct InputQos {
-    /// Depth images.
-    pub depth: Qos,
-    /// Calibration of the colour camera.
-    pub camera_info: Qos,
-    /// Calibration of the depth camera.
-    pub depth_camera_info: Qos,
-    /// Odometry.
-    pub odometry: Qos,
-    /// 2D boxes.
-    pub detections: Qos,
-}
-
-/// A profile of ROS 2 by name.
+/// How colour images are sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Qos {
-    /// Best effort: it matches any publisher.
+pub enum RgbTransport {
+    /// `sensor_msgs/Image` on the topic itself.
     #[default]
-    SensorData,
-    /// Lost messages are sent again; a best-effort publisher does not match.
-    Reliable,
-    /// Reliable, and what was published before is delivered.
-    Latched,
+    Raw,
+    /// `sensor_msgs/CompressedImage` on `TOPIC/compressed`.
+    Compressed,
 }
 
-/// The package of the detector's messages.
+/// How depth images are sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DepthTransport {
+    /// `sensor_msgs/Image` on the topic itself.
+    #[default]
+    #[serde(rename = "raw")]
+    Raw,
+    /// `sensor_msgs/CompressedImage` on `TOPIC/compressed`: a PNG.
+    #[serde(rename = "compressed")]
+    Compressed,
+    /// `sensor_msgs/CompressedImage` on `TOPIC/compressedDepth`.
+    #[serde(rename = "compressedDepth")]
+    CompressedDepth,
+}
+
+/// Whose message the boxes come in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DetectionsType {
     /// `vision_msgs/Detection2DArray`.
     #[default]
     VisionMsgs,
-    /// `yolo_msgs/DetectionArray`.
+    /// `yolo_msgs/DetectionArray` of `yolo_ros`.
     YoloMsgs,
+}
+
+/// Quality of service of a subscription.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Qos {
+    /// Best effort, the latest 5: matches any publisher.
+    #[default]
+    SensorData,
+    /// Reliable, the latest 10: matches only reliable publishers.
+    Reliable,
+}
+
+/// Quality of service, a topic each.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct QosSettings {
+    /// Of colour images.
+    pub rgb: Qos,
+    /// Of depth images.
+    pub depth: Qos,
+    /// Of both calibrations.
+    pub camera_info: Qos,
+    /// Of odometry.
+    pub odometry: Qos,
+    /// Of boxes.
+    pub detections: Qos,
+}
+
+/// The map's file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MapFileSettings {
+    /// Where the map is saved and loaded; empty: nowhere.
+    pub file: String,
+    /// Whether it is loaded at the start.
+    pub load_on_start: bool,
+    /// Whether it is saved when the node is stopped.
+    pub save_on_shutdown: bool,
 }
 
 /// What is published besides markers, boxes, objects, path and odometry.
@@ -110,29 +142,28 @@ impl Default for NodeSettings {
     fn default() -> Self {
         Self {
             use_sim_time: false,
-            publish_tf: true,
-            tf_rate_hz: 20.0,
             map_frame: "map".into(),
-            queue_size: 10,
-            detections_type: DetectionsType::VisionMsgs,
-            load_map: String::new(),
-            save_map: String::new(),
-            topics: InputTopics::default(),
-            qos: InputQos::default(),
+            publish_tf: true,
+            topics: TopicSettings::default(),
+            qos: QosSettings::default(),
+            map: MapFileSettings::default(),
             publish: PublishSettings::default(),
         }
     }
 }
 
-impl Default for InputTopics {
+impl Default for TopicSettings {
     fn default() -> Self {
         Self {
-            rgb: "rgb".into(),
-            depth: "depth".into(),
-            camera_info: "camera_info".into(),
-            depth_camera_info: "depth_camera_info".into(),
-            odometry: "odometry".into(),
+            rgb: "rgb/image".into(),
+            rgb_transport: RgbTransport::Raw,
+            depth: "depth/image".into(),
+            depth_transport: DepthTransport::Raw,
+            camera_info: "rgb/camera_info".into(),
+            depth_camera_info: String::new(),
+            odometry: "odom".into(),
             detections: "detections".into(),
+            detections_type: DetectionsType::VisionMsgs,
         }
     }
 }

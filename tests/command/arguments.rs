@@ -111,12 +111,12 @@ fn later_arguments_win_and_sections_are_for_their_node() {
 #[test]
 fn values_are_typed_as_yaml_1_1_types_them() {
     let line = "--ros-args -p publish.cuboids:=yes -p publish_tf:=Off -p map_frame:=world -p sync.max_waiting:=7 -p \
-                publish.path_step_m:=1 -p detections_type:=yolo_msgs";
+                publish.path_step_m:=1 -p topics.detections_type:=yolo_msgs";
     let (got, _) = parameters(line, &[]).unwrap();
     assert!(got.node.publish.cuboids && !got.node.publish_tf);
     assert_eq!((got.node.map_frame.as_str(), got.slam.sync.max_waiting), ("world", 7));
     assert_eq!(got.node.publish.path_step_m, 1.0);
-    assert_eq!(got.node.detections_type, DetectionsType::YoloMsgs);
+    assert_eq!(got.node.topics.detections_type, DetectionsType::YoloMsgs);
 }
 
 #[test]
