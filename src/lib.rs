@@ -18,6 +18,8 @@ pub mod config;
 
 pub mod msg;
 
+pub mod publication;
+
 pub mod io;
 
 #[cfg(feature = "ros")]

@@ -95,8 +95,8 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let started = now();
     let parameters = load_parameters(args.config.as_deref())?;
     let input = BagInput::open(&args.bag, &args.remaps)?;
-    let mut slam = ObjectSlam::new(parameters.slam);
-    let mut run = Run::new(Results::create(folder)?);
+    let mut slam = ObjectSlam::new(parameters.slam.clone());
+    let mut run = Run::new(Results::create(folder, &parameters.node)?);
     let progress = ProgressBar::new(input.message_count());
     let mut inputs = input.inputs();
     while let Some(message) = inputs.next() {
@@ -172,10 +172,7 @@ impl Run {
     }
 
     fn take(&mut self, update: &Update, slam: &ObjectSlam) -> anyhow::Result<()> {
-        let (odom_frame, base_frame) = slam.frames();
-        for pose in &update.poses {
-            self.results.pose(pose, odom_frame, base_frame)?;
-        }
+        self.results.take(update, slam)?;
         self.frames += update.poses.len();
         for keyframe in &update.keyframes {
             self.keyframes += 1;
@@ -184,7 +181,6 @@ impl Run {
                 *self.refused.entry(refused.reason()).or_default() += 1;
             }
             self.stopwatch.end_keyframe(keyframe.stamp);
-            self.results.keyframe(keyframe, slam)?;
         }
         for Dropped { reason, why, .. } in &update.dropped {
             let entry =

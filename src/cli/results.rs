@@ -2,14 +2,12 @@
 
 use super::Failure;
 use crate::{
+    config::NodeSettings,
     geometry::Pose,
     io::{BagError, BagWriter, map_json, trajectory_text, write_atomically},
-    mapping::MapObject,
-    msg::{
-        convert::{detections_3d, object_markers, odometry_message, path, tf_message},
-        tf2_msgs::TFMessage,
-    },
-    pipeline::{FramePose, Input, Keyframe, ObjectSlam, OdometryMessage, StampedTransform},
+    msg::convert::tf_message,
+    pipeline::{FramePose, Input, ObjectSlam, Update},
+    publication::{Outgoing, OutputTopic, Publication, base_transform},
     time::Stamp,
 };
 use anyhow::Context;
@@ -37,7 +35,8 @@ pub(super) struct Results {
     folder: PathBuf,
     bag: BagWriter,
     poses: Vec<FramePose>,
-    path_length_written: usize,
+    publication: Publication,
+    map_frame: String,
     children: BTreeSet<String>,
 }
 
@@ -54,20 +53,25 @@ pub(super) fn check_overwrite(folder: &Path, force: bool) -> Result<(), Failure>
 
 impl Results {
     /// Prepares the folder; the bag grows under a temporary name.
-    pub(super) fn create(folder: &Path) -> anyhow::Result<Self> {
+    pub(super) fn create(folder: &Path, node: &NodeSettings) -> anyhow::Result<Self> {
         fs::create_dir_all(folder)
             .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+        let mut bag = BagWriter::create(&folder.join("result.mcap"))?;
+        let latched = OutputTopic::ALL.into_iter().filter(|topic| topic.is_latched());
+        latched.for_each(|topic| bag.latch(topic.default_name()));
         Ok(Self {
             folder: folder.to_owned(),
-            bag: BagWriter::create(&folder.join("result.mcap"))?,
+            bag,
             poses: Vec::new(),
-            path_length_written: 0,
+            publication: Publication::new(node.publish, &node.map_frame),
+            map_frame: node.map_frame.clone(),
             children: BTreeSet::new(),
         })
     }
 
     /// Transforms of the bag are passed on, so that the result can be looked at without the bag.
     pub(super) fn pass_on(&mut self, input: &Input) -> Result<(), BagError> {
+        self.publication.hear(input);
         let Input::Transforms { is_static, transforms } = input else { return Ok(()) };
         let Some(stamp) = transforms.iter().map(|t| t.stamp).max() else { return Ok(()) };
         self.children.extend(transforms.iter().map(|t| t.child_frame_id.clone()));
@@ -75,38 +79,24 @@ impl Results {
         self.bag.write(topic, &tf_message(transforms), stamp)
     }
 
-    /// Where the base was.
-    pub(super) fn pose(
-        &mut self,
-        pose: &FramePose,
-        odom_frame: &str,
-        base_frame: &str,
-    ) -> Result<(), BagError> {
-        self.poses.push(*pose);
-        let transform = |frame_id: &str, child: &str, parent_from_child: Pose| StampedTransform {
-            stamp: pose.stamp,
-            frame_id: frame_id.into(),
-            child_frame_id: child.into(),
-            parent_from_child,
-        };
-        let map_from_odom = pose.map_from_base * pose.odom_from_base.inverse();
-        let mut transforms = vec![transform(MAP_FRAME, odom_frame, map_from_odom)];
-        if !self.children.contains(base_frame) {
-            transforms.push(transform(odom_frame, base_frame, pose.odom_from_base));
+    /// What a live node would publish now.
+    pub(super) fn take(&mut self, update: &Update, slam: &ObjectSlam) -> anyhow::Result<()> {
+        for pose in &update.poses {
+            self.poses.push(*pose);
+            if !self.children.contains(slam.frames().1) {
+                let message = tf_message(&[base_transform(pose, slam)]);
+                self.bag.write("/tf", &message, pose.stamp)?;
+            }
         }
-        let message: TFMessage = tf_message(&transforms);
-        self.bag.write("/tf", &message, pose.stamp)?;
-        let reading = OdometryMessage {
-            stamp: pose.stamp,
-            frame_id: MAP_FRAME.into(),
-            child_frame_id: base_frame.into(),
-            odom_from_base: pose.map_from_base,
-            covariance: None,
-        };
-        self.bag.write("/ellipsoid_slam/odometry", &odometry_message(&reading), pose.stamp)?;
-        // A path grows with the drive: written at every pose it would grow with its square.
-        if self.poses.len() >= self.path_length_written + self.path_length_written / 4 + 10 {
-            self.write_path(pose.stamp)?;
+        let out = self.publication.update(update, slam);
+        self.write(&out)
+    }
+
+    fn write(&mut self, messages: &[(Stamp, Outgoing)]) -> anyhow::Result<()> {
+        for (stamp, message) in messages {
+            let topic = message.topic().default_name();
+            let (type_name, data) = message.cdr()?;
+            self.bag.write_raw(&topic, type_name, &data, *stamp)?;
         }
         Ok(())
     }
@@ -114,29 +104,6 @@ impl Results {
     /// The poses as they were published at the time.
     fn live(&self) -> Vec<(Stamp, Pose)> {
         self.poses.iter().map(|pose| (pose.stamp, pose.map_from_base)).collect()
-    }
-
-    fn write_path(&mut self, stamp: Stamp) -> Result<(), BagError> {
-        self.path_length_written = self.poses.len();
-        let message = path(&self.live(), stamp, MAP_FRAME);
-        self.bag.write("/ellipsoid_slam/path", &message, stamp)
-    }
-
-    /// What changed in the map: markers of the objects that this keyframe saw, and all boxes.
-    pub(super) fn keyframe(
-        &mut self,
-        keyframe: &Keyframe,
-        slam: &ObjectSlam,
-    ) -> Result<(), BagError> {
-        let seen: BTreeSet<_> = keyframe.boxes.iter().filter_map(|b| b.object).collect();
-        let objects: Vec<&MapObject> = slam.objects().collect();
-        let changed = objects.iter().copied().filter(|o| seen.contains(&o.id));
-        let markers = object_markers(changed, keyframe.stamp, MAP_FRAME);
-        if !markers.markers.is_empty() {
-            self.bag.write("/ellipsoid_slam/markers", &markers, keyframe.stamp)?;
-        }
-        let boxes = detections_3d(objects, keyframe.stamp, MAP_FRAME);
-        self.bag.write("/ellipsoid_slam/objects", &boxes, keyframe.stamp)
     }
 
     /// Writes all files.
@@ -148,13 +115,10 @@ impl Results {
     ) -> anyhow::Result<()> {
         let poses = self.poses.iter().map(|pose| (pose.stamp, slam.map_from_base(pose)));
         let trajectory: Vec<(Stamp, Pose)> = poses.collect();
-        if let Some((stamp, _)) = trajectory.last().copied() {
-            self.bag.write("/ellipsoid_slam/path", &path(&trajectory, stamp, MAP_FRAME), stamp)?;
-            let markers = object_markers(slam.objects(), stamp, MAP_FRAME);
-            self.bag.write("/ellipsoid_slam/markers", &markers, stamp)?;
-        }
+        let last = self.publication.finish(slam);
+        self.write(&last)?;
         let texts = [
-            ("map.json", map_json(slam.objects(), MAP_FRAME)?),
+            ("map.json", map_json(slam.objects(), &self.map_frame)?),
             ("trajectory.tum", trajectory_text(&trajectory)),
             ("trajectory_live.tum", trajectory_text(&self.live())),
             ("timing.csv", timing_csv.to_owned()),

@@ -7,7 +7,7 @@ use crate::{
 };
 use mcap::records::MessageHeader;
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     fs::File,
     io::BufWriter,
     path::{Path, PathBuf},
@@ -21,6 +21,7 @@ pub struct BagWriter {
     mcap: Option<mcap::Writer<BufWriter<File>>>,
     temporary: TemporaryFile,
     channels: BTreeMap<String, Channel>,
+    latched: BTreeSet<String>,
 }
 
 struct Channel {
@@ -45,7 +46,18 @@ impl BagWriter {
             .compression_threads(0);
         let mcap = options.create(BufWriter::new(file)).map_err(|e| not_writable(path, &e))?;
         let path = path.to_owned();
-        Ok(Self { path, mcap: Some(mcap), temporary, channels: BTreeMap::new() })
+        Ok(Self {
+            path,
+            mcap: Some(mcap),
+            temporary,
+            channels: BTreeMap::new(),
+            latched: BTreeSet::new(),
+        })
+    }
+
+    /// Has the topic offered like `/tf_static` when the bag is played: who comes late gets its last message.
+    pub fn latch(&mut self, topic: String) {
+        self.latched.insert(topic);
     }
 
     /// Appends a message, logged and published at `stamp`.
@@ -127,7 +139,7 @@ impl BagWriter {
         let schema = mcap
             .add_schema(type_name, "ros2msg", definition.as_bytes())
             .map_err(|e| not_writable(path, &e))?;
-        let latched = topic.ends_with("tf_static");
+        let latched = topic.ends_with("tf_static") || self.latched.contains(topic);
         let qos = latched.then(|| ("offered_qos_profiles".to_owned(), LATCHED_QOS.to_owned()));
         mcap.add_channel(schema, topic, "cdr", &qos.into_iter().collect())
             .map_err(|e| not_writable(path, &e))

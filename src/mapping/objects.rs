@@ -11,6 +11,7 @@ use crate::{
     graph::{Graph, PoseId},
     time::Stamp,
 };
+use nalgebra::Matrix6;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -225,6 +226,12 @@ impl ObjectMap {
     /// What corrects odometry at a time when there were so many keyframes, after all that is known now.
     pub fn map_from_odom_at(&self, stamp: Stamp, keyframes: usize) -> Pose {
         self.chain.map_from_odom_at(&self.graph, stamp, keyframes)
+    }
+
+    /// Covariance of the base in the map now, of `[rotation, translation]`, a right perturbation of its pose; nothing
+    /// before the first keyframe.
+    pub fn base_covariance(&self, odom_from_base: &Pose) -> Option<Matrix6<f64>> {
+        self.chain.covariance(&self.graph, odom_from_base, &self.slam)
     }
 
     /// Keyframes there have been.

@@ -191,6 +191,23 @@ impl Chain {
         }
     }
 
+    /// Covariance of the base in the map, of `[rotation, translation]`, a right perturbation of its pose: that of the last
+    /// keyframe and of the step of odometry since; nothing before the first keyframe.
+    pub(super) fn covariance(
+        &self,
+        graph: &Graph,
+        odom_from_base: &Pose,
+        settings: &SlamSettings,
+    ) -> Option<Matrix6<f64>> {
+        let last = self.keyframes.last()?;
+        let known = graph.covariance(&[last.pose.into()]).fixed_view::<6, 6>(0, 0).into_owned();
+        let step = last.odom_from_base.inv_mul(odom_from_base);
+        let moved = adjoint(&step.inverse());
+        let from = (&last.odom_from_base, None);
+        let (grown, _) = step_covariance(from, (odom_from_base, None), &settings.motion);
+        Some(moved * known * moved.transpose() + grown)
+    }
+
     /// Forgets all keyframes but the first so many.
     pub(super) fn truncate(&mut self, count: usize) {
         self.keyframes.retain(|k| k.number < count);

@@ -16,7 +16,7 @@ use crate::{
     },
     time::Stamp,
 };
-use nalgebra::Vector3;
+use nalgebra::{Matrix6, Vector3};
 
 /// What came of one input.
 #[derive(Clone, Debug, Default)]
@@ -117,6 +117,12 @@ impl ObjectSlam {
     /// Where the base was at a pose of an earlier [`Update`], after all that is known now.
     pub fn map_from_base(&self, pose: &FramePose) -> Pose {
         self.map.map_from_odom_at(pose.stamp, pose.keyframes) * pose.odom_from_base
+    }
+
+    /// Covariance of the latest pose of the base in the map, of `[rotation, translation]`, a right perturbation; nothing
+    /// before the first keyframe.
+    pub fn covariance(&self, latest: &FramePose) -> Option<Matrix6<f64>> {
+        self.map.base_covariance(&latest.odom_from_base)
     }
 
     /// The odometry's fixed frame and the base frame.

@@ -107,7 +107,7 @@ impl Outputs {
     /// All objects: who comes late gets only the last message.
     fn map(&self, slam: &ObjectSlam, stamp: Stamp) {
         let objects: Vec<&MapObject> = slam.objects().collect();
-        send(&self.markers, object_markers(objects.iter().copied(), stamp, &self.map_frame));
+        send(&self.markers, object_markers(objects.iter().copied(), false, stamp, &self.map_frame));
         send(&self.objects, detections_3d(objects, stamp, &self.map_frame));
     }
 }

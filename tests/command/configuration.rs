@@ -5,6 +5,7 @@ use ellipsoid_slam::{
     config::{NodeSettings, Parameters, keys, parameters_from_yaml, parameters_to_yaml},
     perception::FitModel,
     pipeline::Settings,
+    publication::OutputTopic,
 };
 use serde_json::Value;
 use std::fs;
@@ -80,4 +81,33 @@ fn the_file_with_the_mistake_is_named() {
     assert_eq!(output.status.code(), Some(1));
     let text = stderr(&output);
     assert!(text.contains("mine.yaml") && text.contains("snyc"), "{text}");
+}
+
+#[test]
+fn every_file_for_a_robot_loads_and_differs() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/config");
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let robots: Vec<_> = files
+        .filter(|path| path.extension().is_some_and(|end| end == "yaml"))
+        .filter(|path| path.file_stem().unwrap() != "ellipsoid_slam")
+        .collect();
+    assert!(robots.len() >= 3, "{robots:?}");
+    for path in robots {
+        let parameters = parameters_from_yaml(&fs::read_to_string(&path).unwrap());
+        let parameters = parameters.unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        assert_ne!(parameters.node.topics, NodeSettings::default().topics, "{}", path.display());
+    }
+}
+
+/// RViz drops a display whose topic is misspelt without a word.
+#[test]
+fn rviz_shows_topics_that_are_published() {
+    let text = include_str!("../../config/ellipsoid_slam.rviz");
+    let shown: Vec<&str> =
+        text.lines().filter_map(|line| line.trim().strip_prefix("Value: /")).collect();
+    assert!(shown.len() >= 5, "{shown:?}");
+    let names = OutputTopic::ALL.map(OutputTopic::default_name);
+    for topic in shown {
+        assert!(names.contains(&format!("/{topic}")), "{topic}");
+    }
 }

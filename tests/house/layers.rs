@@ -18,8 +18,12 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("sim", &["time", "geometry"]),
     ("report", &["time", "geometry", "mapping", "pipeline", "eval"]),
     ("msg", &["time", "geometry", "perception", "mapping", "pipeline"]),
+    ("publication", &["time", "geometry", "mapping", "pipeline", "config", "msg"]),
     ("io", &["time", "geometry", "perception", "mapping", "pipeline", "msg"]),
-    ("ros", &["time", "geometry", "perception", "mapping", "pipeline", "msg", "config"]),
+    (
+        "ros",
+        &["time", "geometry", "perception", "mapping", "pipeline", "msg", "config", "publication"],
+    ),
     ("cli", SHELL_USES),
 ];
 /// The outermost layer puts everything together.
@@ -34,6 +38,7 @@ const SHELL_USES: &[&str] = &[
     "sim",
     "report",
     "msg",
+    "publication",
     "io",
     "ros",
 ];

@@ -12,5 +12,6 @@ mod detections;
 mod fixtures;
 mod inspect;
 mod poses;
+mod publication;
 mod replay;
 mod roles;

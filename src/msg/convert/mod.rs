@@ -7,6 +7,8 @@ mod depth;
 mod detections;
 mod error;
 mod image_topic;
+mod markers;
+mod measurements;
 mod objects;
 mod pose;
 
@@ -19,9 +21,12 @@ pub use depth::{compressed_depth_image, depth_image, depth_image_message};
 pub use detections::{detection_array, detections, yolo_detections};
 pub use error::ConvertError;
 pub use image_topic::{is_rectified, without_transport};
-pub use objects::{boxes_3d, detections_3d, object_markers, path};
+pub use markers::{color_of, deletion_markers, measurement_markers, object_markers};
+pub use measurements::{landmark_detections, measurement_array};
+pub use objects::{boxes_3d, detections_3d, object_array, path};
 pub use pose::{
-    odometry, odometry_message, pose_message, tf_message, transform_message, transforms,
+    odometry, odometry_message, pose_covariance, pose_message, tf_message, transform_message,
+    transforms,
 };
 
 use crate::{

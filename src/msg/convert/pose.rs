@@ -6,7 +6,7 @@ use crate::{
     msg::{geometry_msgs as geometry, nav_msgs::Odometry, tf2_msgs::TFMessage},
     pipeline::{OdometryMessage, StampedTransform},
 };
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix6, Translation3, UnitQuaternion, Vector3};
 
 /// A reading of the odometry. A covariance that is all zero or not finite was not filled in.
 ///
@@ -93,6 +93,17 @@ pub fn pose_message(pose: &Pose) -> geometry::Pose {
         position: geometry::Point { x: t.x, y: t.y, z: t.z },
         orientation: geometry::Quaternion { x: q.i, y: q.j, z: q.k, w: q.w },
     }
+}
+
+/// The covariance of `geometry_msgs/PoseWithCovariance` (translation, then rotation, about fixed axes) from that of
+/// `[rotation, translation]`, a right perturbation of `pose`.
+pub fn pose_covariance(pose: &Pose, own: &Matrix6<f64>) -> [[f64; 6]; 6] {
+    let rotation = pose.rotation.to_rotation_matrix().into_inner();
+    let turn = |row: usize, column: usize| {
+        rotation * own.fixed_view::<3, 3>(row, column) * rotation.transpose()
+    };
+    let blocks = [[turn(3, 3), turn(3, 0)], [turn(0, 3), turn(0, 0)]];
+    std::array::from_fn(|i| std::array::from_fn(|j| blocks[i / 3][j / 3][(i % 3, j % 3)]))
 }
 
 /// A pose from its parts; the quaternion may have any length but zero.

@@ -1,0 +1,165 @@
+//! Objects and measurements as shapes for RViz and Foxglove.
+
+use super::{header, pose_message};
+use crate::{
+    geometry::{Ellipsoid, Plane, Pose},
+    mapping::{MapObject, ObjectId},
+    msg::{
+        geometry_msgs::Vector3,
+        std_msgs::ColorRGBA,
+        visualization_msgs::{Marker, MarkerArray},
+    },
+    perception::EllipsoidMeasurement,
+    pipeline::Keyframe,
+    time::Stamp,
+};
+use nalgebra::{Point3, Translation3, UnitQuaternion};
+
+/// A sphere stretched to each ellipsoid and a text above it, in the frame of the map; on demand the box round it.
+///
+/// Ids are the objects' own, in the namespaces `ellipsoids`, `labels` and `cuboids`.
+pub fn object_markers<'a>(
+    objects: impl IntoIterator<Item = &'a MapObject>,
+    cuboids: bool,
+    stamp: Stamp,
+    frame_id: &str,
+) -> MarkerArray {
+    let mut markers = Vec::new();
+    for object in objects {
+        let ellipsoid = object.ellipsoid();
+        let color = color_of(object.label());
+        let body = Marker {
+            header: header(stamp, frame_id),
+            id: marker_id(object.id),
+            ..solid("ellipsoids", Marker::SPHERE, &ellipsoid, with_alpha(color, 0.6))
+        };
+        if cuboids {
+            let shape = solid("cuboids", Marker::CUBE, &ellipsoid, with_alpha(color, 0.25));
+            markers.push(Marker { header: body.header.clone(), id: body.id, ..shape });
+        }
+        let mut above = body.pose;
+        above.position.z += ellipsoid.semi_axes.z + 0.5 * TEXT_HEIGHT_M;
+        markers.push(Marker {
+            ns: "labels".into(),
+            kind: Marker::TEXT_VIEW_FACING,
+            pose: above,
+            scale: Vector3 { x: 0.0, y: 0.0, z: TEXT_HEIGHT_M },
+            color: ColorRGBA { r: 1.0, g: 1.0, b: 1.0, a: 1.0 },
+            text: format!("{} {}", object.label(), object.id),
+            ..body.clone()
+        });
+        markers.push(body);
+    }
+    MarkerArray { markers }
+}
+
+/// Takes away what [`object_markers`] showed of objects.
+pub fn deletion_markers(
+    objects: impl IntoIterator<Item = ObjectId>,
+    stamp: Stamp,
+    frame_id: &str,
+) -> MarkerArray {
+    let delete = |id: ObjectId| {
+        ["ellipsoids", "labels", "cuboids"].map(|ns| Marker {
+            header: header(stamp, frame_id),
+            ns: ns.into(),
+            id: marker_id(id),
+            action: Marker::DELETE,
+            ..Marker::default()
+        })
+    };
+    MarkerArray { markers: objects.into_iter().flat_map(delete).collect() }
+}
+
+/// What one image says, in the frame of the map: ellipsoids, the mirror planes that were used, and support planes.
+/// It takes the place of what was shown of the image before.
+pub fn measurement_markers(keyframe: &Keyframe, frame_id: &str) -> MarkerArray {
+    let mut markers = vec![Marker { action: Marker::DELETEALL, ..Marker::default() }];
+    let found = keyframe.boxes.iter().filter_map(|found| {
+        found.measurement.as_ref().ok().map(|measured| (measured, found.detection.label()))
+    });
+    for (measured, label) in found {
+        let body = measured.ellipsoid.transformed(&keyframe.map_from_camera);
+        let color = with_alpha(color_of(label), 0.3);
+        markers.push(solid("measurements", Marker::SPHERE, &body, color));
+        markers.extend(mirrors(measured, &keyframe.map_from_camera));
+    }
+    let eye = keyframe.map_from_camera.translation.vector;
+    markers.extend(keyframe.support_heights_m.iter().map(|height| {
+        let at = Point3::new(eye.x, eye.y, *height);
+        sheet("support_planes", &at, UnitQuaternion::identity(), [3.0, 3.0, SHEET_M])
+    }));
+    for (id, marker) in (0..).zip(&mut markers) {
+        (marker.header, marker.id) = (header(keyframe.stamp, frame_id), id);
+    }
+    MarkerArray { markers }
+}
+
+/// The mirror planes of a measurement, as large as the object.
+fn mirrors<'a>(
+    measured: &'a EllipsoidMeasurement,
+    map_from_camera: &'a Pose,
+) -> impl Iterator<Item = Marker> + 'a {
+    let body = measured.ellipsoid.transformed(map_from_camera);
+    measured.symmetry.iter().map(move |mirror| {
+        let plane: Plane = mirror.plane.transformed(map_from_camera);
+        let center = body.center();
+        let at = center - plane.normal.into_inner() * plane.signed_distance(&center);
+        let yaw = plane.normal.y.atan2(plane.normal.x);
+        let width = 2.2 * body.semi_axes.xy().norm();
+        let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw);
+        sheet("symmetry", &at, turned, [SHEET_M, width, 2.2 * body.semi_axes.z])
+    })
+}
+
+fn solid(ns: &str, kind: i32, body: &Ellipsoid, color: ColorRGBA) -> Marker {
+    let [x, y, z]: [f64; 3] = (body.semi_axes * 2.0).into();
+    Marker {
+        ns: ns.into(),
+        kind,
+        action: Marker::ADD,
+        pose: pose_message(&body.pose),
+        scale: Vector3 { x, y, z },
+        color,
+        ..Marker::default()
+    }
+}
+
+fn sheet(ns: &str, at: &Point3<f64>, turned: UnitQuaternion<f64>, [x, y, z]: [f64; 3]) -> Marker {
+    Marker {
+        ns: ns.into(),
+        kind: Marker::CUBE,
+        action: Marker::ADD,
+        pose: pose_message(&Pose::from_parts(Translation3::from(at.coords), turned)),
+        scale: Vector3 { x, y, z },
+        color: ColorRGBA { r: 0.6, g: 0.8, b: 1.0, a: 0.25 },
+        ..Marker::default()
+    }
+}
+
+/// Marker ids are 32 bits wide; object ids count up from one.
+fn marker_id(object: ObjectId) -> i32 {
+    (object.0 % (1 << 31)) as i32
+}
+
+fn with_alpha([r, g, b]: [f32; 3], a: f32) -> ColorRGBA {
+    ColorRGBA { r, g, b, a }
+}
+
+/// A colour (red, green, blue in [0, 1]) that stays with the class: hues by a hash of the name, so that any class has one.
+pub fn color_of(label: &str) -> [f32; 3] {
+    // FNV-1a: spreads short names well and is the same everywhere.
+    let hash = label
+        .bytes()
+        .fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+    let hue = f64::from(hash % 360) / 60.0;
+    let channel = |offset: f64| {
+        let k = (offset + hue) % 6.0;
+        (0.95 - 0.75 * k.min(4.0 - k).clamp(0.0, 1.0)) as f32
+    };
+    [channel(5.0), channel(3.0), channel(1.0)]
+}
+
+const TEXT_HEIGHT_M: f64 = 0.12;
+/// How thick a plane is drawn (m).
+const SHEET_M: f64 = 0.005;

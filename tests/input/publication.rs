@@ -1,0 +1,81 @@
+//! What is published, where that needs no map.
+
+use ellipsoid_slam::{
+    geometry::{Camera, Distortion, Ellipsoid, Outline, Pose},
+    mapping::ObjectId,
+    msg::{
+        convert::{deletion_markers, pose_covariance},
+        ellipsoid_slam::QueryObjectsRequest,
+        visualization_msgs::Marker,
+    },
+    publication::{OutputTopic, View, outline_in_image, query_objects},
+    time::Stamp,
+};
+use nalgebra::{Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
+
+fn view() -> View {
+    let camera = Camera::new((640, 480), (500.0, 500.0), (320.0, 240.0), Distortion::None).unwrap();
+    View { camera, map_from_camera: Pose::translation(1.0, 0.0, 0.0) }
+}
+
+#[test]
+fn a_sphere_is_outlined_by_its_circle() {
+    // Radius 1 m at 4 m: rays touch it at the angle whose sine is 1/4.
+    let ball = Ellipsoid::new(Pose::translation(1.0, 0.0, 4.0), Vector3::repeat(1.0));
+    let lines = outline_in_image(&ball, Outline::Ellipsoid, &view());
+    assert!(lines.len() > 30);
+    for [from, to] in &lines {
+        let away = |p: &nalgebra::Point2<f64>| (p.x - 320.0).hypot(p.y - 240.0);
+        let expected = 500.0 / 15.0_f64.sqrt();
+        assert!((away(from) - expected).abs() < 1e-6 && (away(to) - expected).abs() < 1e-6);
+    }
+    let around = Ellipsoid::new(Pose::translation(1.0, 0.0, 0.5), Vector3::repeat(1.0));
+    assert!(outline_in_image(&around, Outline::Ellipsoid, &view()).is_empty());
+    assert!(outline_in_image(&around, Outline::Cuboid, &view()).is_empty());
+}
+
+#[test]
+fn a_cuboid_is_outlined_by_its_edges() {
+    let body = Ellipsoid::new(Pose::translation(1.0, 0.0, 4.0), Vector3::new(0.8, 0.4, 1.0));
+    let lines = outline_in_image(&body, Outline::Cuboid, &view());
+    let right = lines.iter().flatten().map(|p| p.x).fold(f64::MIN, f64::max);
+    // The nearer face is at 3 m.
+    assert!((right - (320.0 + 500.0 * 0.8 / 3.0)).abs() < 1e-9, "{right}");
+}
+
+#[test]
+fn covariances_are_turned_to_fixed_axes() {
+    // Base turned left by a quarter: its x is the map's y.
+    let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, std::f64::consts::FRAC_PI_2);
+    let pose = Pose::from_parts(Translation3::new(5.0, 0.0, 0.0), turned);
+    let own = Matrix6::from_diagonal(&Vector6::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0));
+    let fixed = pose_covariance(&pose, &own);
+    let diagonal: Vec<f64> = (0..6).map(|i| fixed[i][i].round()).collect();
+    assert_eq!(diagonal, [5.0, 4.0, 6.0, 2.0, 1.0, 3.0]);
+}
+
+#[test]
+fn all_that_is_shown_of_an_object_is_deleted() {
+    let markers = deletion_markers([ObjectId(7)], Stamp::from_secs(1.0), "map").markers;
+    assert!(markers.iter().all(|m| m.action == Marker::DELETE && m.id == 7));
+    let spaces: Vec<&str> = markers.iter().map(|m| m.ns.as_str()).collect();
+    assert_eq!(spaces, ["ellipsoids", "labels", "cuboids"]);
+}
+
+#[test]
+fn a_question_about_the_view_needs_one() {
+    let request = QueryObjectsRequest { in_view: true, ..QueryObjectsRequest::default() };
+    let at = (Stamp::from_secs(1.0), "map");
+    let answer = query_objects(&request, [], None, at);
+    assert!(!answer.success && answer.message.contains("no view"), "{}", answer.message);
+    let answer = query_objects(&request, [], Some(&view()), at);
+    assert!(answer.success && answer.objects.is_empty() && answer.header.frame_id == "map");
+}
+
+#[test]
+fn topics_are_told_apart() {
+    let mut names = OutputTopic::ALL.map(OutputTopic::default_name).to_vec();
+    names.sort();
+    names.dedup();
+    assert_eq!(names.len(), OutputTopic::ALL.len());
+}
