@@ -57,6 +57,17 @@ enum Command {
     Config(config::Args),
 }
 
+impl Command {
+    /// How much is said where `-v` does not ask for more.
+    fn level(&self) -> tracing::Level {
+        match self {
+            #[cfg(feature = "ros")]
+            Self::Node(args) => args.level(),
+            _ => tracing::Level::WARN,
+        }
+    }
+}
+
 /// What went wrong, with the exit status it has.
 #[derive(Debug)]
 enum Failure {
@@ -89,7 +100,7 @@ fn log_to_stderr(level: tracing::Level) {
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let level = match cli.verbose {
-        0 => tracing::Level::WARN,
+        0 => cli.command.level(),
         1 => tracing::Level::INFO,
         _ => tracing::Level::DEBUG,
     };

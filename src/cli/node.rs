@@ -2,13 +2,14 @@
 
 use super::{Failure, Outcome};
 use crate::{
-    config::{Parameters, RosArguments},
+    config::{LogLevel, Parameters, RosArguments},
     io::{map_json, write_atomically},
     pipeline::ObjectSlam,
     ros::{DdsDomain, run_node},
 };
 use clap::Parser;
 use std::{fs, path::Path};
+use tracing::Level;
 
 /// Run live on ROS 2 until it is interrupted.
 #[derive(Debug, Parser)]
@@ -28,6 +29,22 @@ impl Args {
             Some(other) => Err(Failure::Usage(format!(
                 "`{other}` is no argument of node; those of ROS 2 come after --ros-args"
             ))),
+        }
+    }
+
+    /// What `--log-level` says; ROS 2's default otherwise.
+    pub(super) fn level(&self) -> Level {
+        // Arguments that cannot be read are named by `run`.
+        let arguments = self.parse_ros().ok();
+        let given = arguments.and_then(|arguments| {
+            let logger = arguments.full_name().trim_start_matches('/').replace('/', ".");
+            arguments.log_level(&logger)
+        });
+        match given {
+            Some(LogLevel::Debug) => Level::DEBUG,
+            None | Some(LogLevel::Info) => Level::INFO,
+            Some(LogLevel::Warn) => Level::WARN,
+            Some(LogLevel::Error | LogLevel::Fatal) => Level::ERROR,
         }
     }
 }

@@ -44,6 +44,7 @@ pub(super) const NODE_KEYS: &[Key] = &[
         "what single images say: ellipsoids, symmetry and support planes",
     ),
     other("publish.landmarks", "objects as landmarks for RTAB-Map"),
-    other("publish.debug_image", "the colour image with boxes and outlines drawn into it"),
+    other("publish.debug_image", "the colour image with boxes and outlines drawn into it")
+        .at_start(),
     number("publish.path_step_m", 0.0, 10.0, "a new pose of the path after so much way [m]"),
 ];

@@ -227,12 +227,12 @@ pub struct QueryObjectsRequest {
 pub struct QueryObjectsResponse {
     /// Whether there is an answer.
     pub success: bool,
-    /// Why there is none.
+    /// Why there is none, or that there are more.
     pub message: String,
-    /// When this was so, and the frame of all poses.
+    /// When this was so, and the frame of the map.
     pub header: Header,
-    /// The objects.
-    pub objects: Vec<Object>,
+    /// The objects, at most 100; [`ObjectArray`] has all that is known of them.
+    pub ids: Vec<u64>,
 }
 
 impl Service for QueryObjects {

@@ -88,10 +88,13 @@ impl Publication {
     }
 
     /// Another map takes the place of the one before: its way is forgotten, and markers of objects that are not there
-    /// any more are deleted with the next messages.
-    pub fn reset(&mut self) {
+    /// any more are deleted.
+    pub fn reset(&mut self, stamp: Stamp, slam: &ObjectSlam) -> Vec<(Stamp, Outgoing)> {
         self.way = Way::default();
-        (self.changed, self.published) = (true, None);
+        self.view = None;
+        let mut out = vec![(stamp, Outgoing::Path(path(&[], stamp, &self.map_frame)))];
+        self.map(stamp, slam, &mut out);
+        out
     }
 
     /// What the camera saw last, for [`query_objects`].

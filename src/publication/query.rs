@@ -4,13 +4,16 @@ use crate::{
     geometry::{Camera, Pose},
     mapping::MapObject,
     msg::{
-        convert::object_array,
+        convert::header,
         ellipsoid_slam::{QueryObjectsRequest, QueryObjectsResponse},
         geometry_msgs::Point,
     },
     time::Stamp,
 };
 use nalgebra::{Point3, distance};
+
+/// Ids in an answer, at most: `QueryObjects.srv` says so.
+const MOST_IDS: usize = 100;
 
 /// Where a camera is and what it sees.
 #[derive(Clone, Debug)]
@@ -57,13 +60,14 @@ pub fn query_objects<'a>(
     if request.max_count > 0 {
         found.truncate(request.max_count as usize);
     }
-    let array = object_array(found, stamp, frame_id);
-    QueryObjectsResponse {
-        success: true,
-        message: String::new(),
-        header: array.header,
-        objects: array.objects,
-    }
+    let matching = found.len();
+    let message = if matching > MOST_IDS {
+        format!("these are {MOST_IDS} of {matching} objects")
+    } else {
+        String::new()
+    };
+    let ids = found.iter().take(MOST_IDS).map(|object| object.id.0).collect();
+    QueryObjectsResponse { success: true, message, header: header(stamp, frame_id), ids }
 }
 
 impl View {

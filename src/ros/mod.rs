@@ -9,6 +9,7 @@
 
 mod broadcast;
 mod clock;
+mod color;
 mod diagnostics;
 mod discovery;
 mod inbox;

@@ -3,6 +3,7 @@
 use super::{
     broadcast::broadcast,
     clock,
+    color::ColorImages,
     diagnostics::{Counts, Diagnostics},
     inbox::Inbox,
     names::{NameError, node_name},
@@ -120,14 +121,20 @@ impl Start<'_> {
         let inbox = Arc::new(Inbox::new(MOST_DEPTH));
         let live = Live::new(parameters.clone(), Arc::clone(&inbox));
         let (correction, corrected) = watch::channel(None);
+        let color = ColorImages::default();
         let own = parameters.node.clone();
         let worker = Worker {
             slam: ObjectSlam::new(parameters.slam.clone()),
             parameters,
-            outputs: Outputs::create(&mut self.node, self.arguments, &own)?,
+            outputs: Outputs::create(
+                &mut self.node,
+                self.arguments,
+                &own,
+                correction,
+                color.clone(),
+            )?,
             inbox: Arc::clone(&inbox),
             status: status.clone(),
-            correction,
             save_map,
             paused: false,
         };
@@ -138,7 +145,7 @@ impl Start<'_> {
         if own.use_sim_time {
             self.tasks.spawn_local(clock::follow(&mut self.node, status.clone())?);
         }
-        let listening = self.subscriptions(&own, &inbox, &status)?;
+        let listening = self.subscriptions(&own, &inbox, &status, color)?;
         self.diagnostics(listening, &inbox, &status)?;
         let (ends, ended) = oneshot::channel();
         let worker = thread::Builder::new().name("slam".into()).spawn(move || {
@@ -154,6 +161,7 @@ impl Start<'_> {
         own: &NodeSettings,
         inbox: &Arc<Inbox>,
         status: &Shared,
+        color: ColorImages,
     ) -> Result<Vec<Listening>, NodeError> {
         let mut subscriptions = Subscriptions {
             node: &mut self.node,
@@ -164,6 +172,9 @@ impl Start<'_> {
             listening: Vec::new(),
         };
         subscriptions.all(own)?;
+        if own.publish.debug_image {
+            subscriptions.color(own, color)?;
+        }
         Ok(subscriptions.listening)
     }
 

@@ -1,25 +1,32 @@
 //! From updates to topics.
 
 use super::{
+    color::ColorImages,
     names::{parsed, type_name},
     node::NodeError,
     qos,
 };
 use crate::{
-    config::{NodeSettings, RosArguments},
-    geometry::Pose,
-    mapping::MapObject,
+    config::{NodeSettings, PublishSettings, RosArguments},
     msg::{
         Message,
-        convert::{detections_3d, header, object_markers, odometry_message, path},
+        convert::{color_image_message, header},
+        ellipsoid_slam::{
+            EllipsoidMeasurementArray, ObjectArray, QueryObjectsRequest, QueryObjectsResponse,
+        },
         nav_msgs::{Odometry, Path},
+        rtabmap_msgs::LandmarkDetections,
+        sensor_msgs::Image,
+        tf2_msgs::TFMessage,
         vision_msgs::Detection3DArray,
-        visualization_msgs::{Marker, MarkerArray},
+        visualization_msgs::MarkerArray,
     },
-    pipeline::{FramePose, ObjectSlam, OdometryMessage, Update},
+    pipeline::{Input, Keyframe, ObjectSlam, Update},
+    publication::{Outgoing, OutputTopic, Publication, draw_debug_image, query_objects},
     time::Stamp,
 };
 use ros2_client::{Node, Publisher, QosProfile};
+use tokio::sync::watch;
 
 /// A publisher of one of our message types.
 pub(super) fn publisher<M: Message>(
@@ -34,13 +41,26 @@ pub(super) fn publisher<M: Message>(
 
 /// All outputs that follow from an update.
 pub(super) struct Outputs {
+    publication: Publication,
     map_frame: String,
-    markers: Publisher<MarkerArray>,
-    objects: Publisher<Detection3DArray>,
+    topics: Topics,
+    color: ColorImages,
+    draws: bool,
+}
+
+/// Where messages go.
+struct Topics {
+    /// `map -> odom` is said steadily, so that it is there when somebody asks: by `broadcast.rs`.
+    transforms: watch::Sender<Option<TFMessage>>,
     odometry: Publisher<Odometry>,
     path: Publisher<Path>,
-    poses: Vec<FramePose>,
-    path_published: usize,
+    markers: Publisher<MarkerArray>,
+    boxes: Publisher<Detection3DArray>,
+    objects: Publisher<ObjectArray>,
+    measurements: Publisher<EllipsoidMeasurementArray>,
+    measurement_markers: Publisher<MarkerArray>,
+    landmarks: Publisher<LandmarkDetections>,
+    debug_image: Publisher<Image>,
 }
 
 impl Outputs {
@@ -48,69 +68,134 @@ impl Outputs {
         node: &mut Node,
         arguments: &RosArguments,
         settings: &NodeSettings,
+        transforms: watch::Sender<Option<TFMessage>>,
+        color: ColorImages,
     ) -> Result<Self, NodeError> {
-        let topic = |name: &str| arguments.resolve(&format!("~/{name}"));
         Ok(Self {
+            publication: Publication::new(settings.publish, &settings.map_frame),
             map_frame: settings.map_frame.clone(),
-            markers: publisher(node, &topic("markers"), qos::latched())?,
-            objects: publisher(node, &topic("objects"), qos::latched())?,
-            odometry: publisher(node, &topic("odometry"), qos::stream(10))?,
-            path: publisher(node, &topic("path"), qos::latched())?,
-            poses: Vec::new(),
-            path_published: 0,
+            topics: Topics::create(node, arguments, transforms)?,
+            color,
+            draws: settings.publish.debug_image,
         })
+    }
+
+    /// Takes note of what later messages need from the input.
+    pub(super) fn hear(&mut self, input: &Input) {
+        self.publication.hear(input);
+    }
+
+    /// From now on.
+    pub(super) fn change_settings(&mut self, settings: PublishSettings) {
+        self.publication.change_settings(settings);
     }
 
     /// Publishes what an update changed.
     pub(super) fn publish(&mut self, update: &Update, slam: &ObjectSlam) {
-        for pose in &update.poses {
-            self.pose(pose, slam.frames().1);
-        }
-        if let Some(keyframe) = update.keyframes.last() {
-            self.map(slam, keyframe.stamp);
+        let messages = self.publication.update(update, slam);
+        self.topics.send_all(messages);
+        if self.draws {
+            for keyframe in &update.keyframes {
+                self.draw(keyframe, slam);
+            }
         }
     }
 
-    /// The map is empty again: everything that was marked goes.
-    pub(super) fn clear(&mut self, stamp: Stamp) {
-        self.poses.clear();
-        self.path_published = 0;
-        let everything = Marker {
-            header: header(stamp, &self.map_frame),
-            action: Marker::DELETEALL,
-            ..Marker::default()
+    /// Publishes the complete map.
+    pub(super) fn finish(&mut self, slam: &ObjectSlam) {
+        let messages = self.publication.finish(slam);
+        self.topics.send_all(messages);
+    }
+
+    /// Another map takes the place of the one before.
+    pub(super) fn reset(&mut self, stamp: Stamp, slam: &ObjectSlam) {
+        self.topics.transforms.send_replace(None);
+        let messages = self.publication.reset(stamp, slam);
+        self.topics.send_all(messages);
+    }
+
+    /// The objects that a client asks for.
+    pub(super) fn query(
+        &self,
+        request: &QueryObjectsRequest,
+        slam: &ObjectSlam,
+        stamp: Stamp,
+    ) -> QueryObjectsResponse {
+        query_objects(request, slam.objects(), self.publication.view(), (stamp, &self.map_frame))
+    }
+
+    fn draw(&self, keyframe: &Keyframe, slam: &ObjectSlam) {
+        let Some(view) = self.publication.view() else { return };
+        let (frame_id, mut image) = match self.color.at(keyframe.stamp) {
+            Ok(found) => found,
+            Err(why) => return tracing::debug!("no debug image: {why}"),
         };
-        send(&self.markers, MarkerArray { markers: vec![everything] });
-        send(&self.objects, detections_3d([], stamp, &self.map_frame));
-        send(&self.path, path(&[], stamp, &self.map_frame));
-    }
-
-    fn pose(&mut self, pose: &FramePose, base_frame: &str) {
-        self.poses.push(*pose);
-        let reading = OdometryMessage {
-            stamp: pose.stamp,
-            frame_id: self.map_frame.clone(),
-            child_frame_id: base_frame.into(),
-            odom_from_base: pose.map_from_base,
-            covariance: None,
-        };
-        send(&self.odometry, odometry_message(&reading));
-        // A path grows with the drive: published at every pose it would cost the square of it.
-        if self.poses.len() >= self.path_published + self.path_published / 4 + 10 {
-            self.path_published = self.poses.len();
-            let live: Vec<(Stamp, Pose)> =
-                self.poses.iter().map(|pose| (pose.stamp, pose.map_from_base)).collect();
-            send(&self.path, path(&live, pose.stamp, &self.map_frame));
-        }
-    }
-
-    /// All objects: who comes late gets only the last message.
-    fn map(&self, slam: &ObjectSlam, stamp: Stamp) {
-        let objects: Vec<&MapObject> = slam.objects().collect();
-        send(&self.markers, object_markers(objects.iter().copied(), false, stamp, &self.map_frame));
-        send(&self.objects, detections_3d(objects, stamp, &self.map_frame));
+        draw_debug_image(&mut image, keyframe, slam.objects(), view);
+        let message = color_image_message(header(keyframe.stamp, &frame_id), &image);
+        self.topics.send(Outgoing::DebugImage(message));
     }
 }
+
+impl Topics {
+    fn create(
+        node: &mut Node,
+        arguments: &RosArguments,
+        transforms: watch::Sender<Option<TFMessage>>,
+    ) -> Result<Self, NodeError> {
+        let mut on = On { node, arguments };
+        Ok(Self {
+            transforms,
+            odometry: on.topic(OutputTopic::Odometry)?,
+            path: on.topic(OutputTopic::Path)?,
+            markers: on.topic(OutputTopic::Markers)?,
+            boxes: on.topic(OutputTopic::Boxes)?,
+            objects: on.topic(OutputTopic::Objects)?,
+            measurements: on.topic(OutputTopic::Measurements)?,
+            measurement_markers: on.topic(OutputTopic::MeasurementMarkers)?,
+            landmarks: on.topic(OutputTopic::Landmarks)?,
+            debug_image: on.topic(OutputTopic::DebugImage)?,
+        })
+    }
+
+    fn send_all(&self, messages: Vec<(Stamp, Outgoing)>) {
+        for (_, message) in messages {
+            self.send(message);
+        }
+    }
+
+    fn send(&self, message: Outgoing) {
+        match message {
+            Outgoing::Transforms(message) => {
+                self.transforms.send_replace(Some(message));
+            }
+            Outgoing::Odometry(message) => send(&self.odometry, *message),
+            Outgoing::Path(message) => send(&self.path, message),
+            Outgoing::Markers(message) => send(&self.markers, message),
+            Outgoing::Boxes(message) => send(&self.boxes, message),
+            Outgoing::Objects(message) => send(&self.objects, message),
+            Outgoing::Measurements(message) => send(&self.measurements, message),
+            Outgoing::MeasurementMarkers(message) => send(&self.measurement_markers, message),
+            Outgoing::Landmarks(message) => send(&self.landmarks, message),
+            Outgoing::DebugImage(message) => send(&self.debug_image, message),
+        }
+    }
+}
+
+/// Where publishers are made.
+struct On<'a> {
+    node: &'a mut Node,
+    arguments: &'a RosArguments,
+}
+
+impl On<'_> {
+    fn topic<M: Message>(&mut self, topic: OutputTopic) -> Result<Publisher<M>, NodeError> {
+        let qos = if topic.is_latched() { qos::latched() } else { qos::stream(STREAM_DEPTH) };
+        publisher(self.node, &self.arguments.resolve(topic.name()), qos)
+    }
+}
+
+/// Messages of a stream kept for a reader that has to ask again.
+const STREAM_DEPTH: usize = 10;
 
 /// Publishes; a subscriber that is too slow must not stop the node.
 pub(super) fn send<M: Message>(publisher: &Publisher<M>, message: M) {

@@ -1,18 +1,12 @@
 //! Services: requests become commands for the worker.
 
-use super::{
-    inbox::Inbox,
-    names::parsed,
-    node::NodeError,
-    qos,
-    worker::{Answer, Command},
-};
+use super::{inbox::Inbox, names::parsed, node::NodeError, qos, worker::Command};
 use crate::{
     config::RosArguments,
     msg::{
         Service,
         cdr::encoded_len,
-        ellipsoid_slam::{SaveMap, SaveMapResponse},
+        ellipsoid_slam::{QueryObjects, QueryObjectsResponse, SaveMap, SaveMapResponse},
         std_srvs::{SetBool, SetBoolResponse, Trigger, TriggerResponse},
     },
 };
@@ -50,6 +44,16 @@ pub(super) fn serve_map(
     serve::<SaveMap, _>(node, &name("save_map"), tasks, move |request| {
         let answer = ask(&worker, |answer| Command::Save(request.path, answer));
         async { answered(answer.await, |success, message| SaveMapResponse { success, message }) }
+    })?;
+    let worker = Arc::clone(inbox);
+    serve::<QueryObjects, _>(node, &name("query_objects"), tasks, move |request| {
+        let answer = ask(&worker, |answer| Command::Query(Box::new(request), answer));
+        async {
+            answer.await.unwrap_or_else(|_| QueryObjectsResponse {
+                message: STOPPING.into(),
+                ..QueryObjectsResponse::default()
+            })
+        }
     })
 }
 
@@ -106,10 +110,10 @@ pub(super) fn fits(answer: &impl Serialize) -> bool {
 const LARGEST_ANSWER: usize = 1100;
 
 /// Gives the worker an order; the answer comes when it has done it.
-fn ask(
+fn ask<T>(
     worker: &Inbox,
-    order: impl FnOnce(Answer) -> Command,
-) -> oneshot::Receiver<Result<String, String>> {
+    order: impl FnOnce(oneshot::Sender<T>) -> Command,
+) -> oneshot::Receiver<T> {
     let (answer, answered) = oneshot::channel();
     worker.order(order(answer));
     answered
@@ -123,6 +127,8 @@ fn answered<R>(
     match answer {
         Ok(Ok(done)) => response(true, done),
         Ok(Err(why)) => response(false, why),
-        Err(_) => response(false, "the node is being stopped".into()),
+        Err(_) => response(false, STOPPING.into()),
     }
 }
+
+const STOPPING: &str = "the node is being stopped";

@@ -1,6 +1,7 @@
 //! From topics to the worker's inbox.
 
 use super::{
+    color::{ColorImages, ColorMessage},
     inbox::Inbox,
     names::{parsed, type_name},
     node::NodeError,
@@ -8,7 +9,7 @@ use super::{
     status::Shared,
 };
 use crate::{
-    config::{DepthTransport, DetectionsType, NodeSettings, Qos, RosArguments},
+    config::{DepthTransport, DetectionsType, NodeSettings, Qos, RgbTransport, RosArguments},
     msg::{
         Message,
         cdr::CdrError,
@@ -72,7 +73,7 @@ impl Subscriptions<'_> {
             let topic = self.arguments.resolve(&topics.odometry);
             let qos = qos::input(settings.qos.odometry, SMALL_DEPTH);
             self.listen(role, &topic, qos, |odometry: Odometry, _| {
-                convert::odometry(&odometry).map(Input::Odometry)
+                convert::odometry(&odometry).map(input(Input::Odometry))
             })?;
         }
         self.detections(settings, size)?;
@@ -85,12 +86,45 @@ impl Subscriptions<'_> {
         let qos = qos::input(qos, IMAGE_DEPTH);
         if without_transport(&topic) == topic {
             self.listen(role, &topic, qos, |image: Image, _| {
-                convert::depth_image(&image).map(Input::Depth)
+                convert::depth_image(&image).map(input(Input::Depth))
             })
         } else {
             self.listen(role, &topic, qos, |image: CompressedImage, _| {
-                convert::compressed_depth_image(&image).map(Input::Depth)
+                convert::compressed_depth_image(&image).map(input(Input::Depth))
             })
+        }
+    }
+
+    /// Colour images, which are only drawn into.
+    pub(super) fn color(
+        &mut self,
+        settings: &NodeSettings,
+        images: ColorImages,
+    ) -> Result<(), NodeError> {
+        let topics = &settings.topics;
+        if topics.rgb.is_empty() {
+            tracing::warn!("publish.debug_image needs colour images, but topics.rgb is empty");
+            return Ok(());
+        }
+        let role = Role { role: "rgb", needed: true, is_present: false };
+        let qos = qos::input(settings.qos.rgb, IMAGE_DEPTH);
+        let keep = move |image: ColorMessage| {
+            let stamp = image.stamp();
+            images.add(image);
+            Ok(Heard::Kept(stamp))
+        };
+        let raw = self.arguments.resolve(&topics.rgb);
+        let is_raw = without_transport(&raw) == raw;
+        match topics.rgb_transport {
+            RgbTransport::Raw if is_raw => {
+                self.listen(role, &raw, qos, move |image: Image, _| keep(ColorMessage::Raw(image)))
+            }
+            _ => {
+                let topic = if is_raw { format!("{raw}/compressed") } else { raw };
+                self.listen(role, &topic, qos, move |image: CompressedImage, _| {
+                    keep(ColorMessage::Compressed(image))
+                })
+            }
         }
     }
 
@@ -109,13 +143,13 @@ impl Subscriptions<'_> {
         self.listen(role, &topic, qos.clone(), move |info: CameraInfo, _| {
             let message = convert::camera(&info, CameraRole::Color, color_rectified)?;
             known.set(Some((message.camera.width(), message.camera.height())));
-            Ok(Input::Camera(message))
+            Ok(Heard::Input(Input::Camera(message)))
         })?;
         if !settings.topics.depth_camera_info.is_empty() {
             let role = Role { role: "depth_camera_info", needed: true, is_present: false };
             let topic = self.arguments.resolve(&settings.topics.depth_camera_info);
             self.listen(role, &topic, qos, move |info: CameraInfo, _| {
-                convert::camera(&info, CameraRole::Depth, depth_rectified).map(Input::Camera)
+                convert::camera(&info, CameraRole::Depth, depth_rectified).map(input(Input::Camera))
             })?;
         }
         Ok(size)
@@ -130,14 +164,14 @@ impl Subscriptions<'_> {
                 self.listen(role, &topic, qos, move |boxes: Detection2DArray, left_out| {
                     let (boxes, bad) = convert::detections(&boxes, size.get());
                     left_out.extend(bad);
-                    Ok(Input::Detections(boxes))
+                    Ok(Heard::Input(Input::Detections(boxes)))
                 })
             }
             DetectionsType::YoloMsgs => {
                 self.listen(role, &topic, qos, move |boxes: DetectionArray, left_out| {
                     let (boxes, bad) = convert::yolo_detections(&boxes, size.get());
                     left_out.extend(bad);
-                    Ok(Input::Detections(boxes))
+                    Ok(Heard::Input(Input::Detections(boxes)))
                 })
             }
         }
@@ -154,7 +188,7 @@ impl Subscriptions<'_> {
         self.listen(role, &resolved, qos, move |message: TFMessage, left_out| {
             let (transforms, bad) = convert::transforms(&message);
             left_out.extend(bad);
-            Ok(Input::Transforms { is_static, transforms })
+            Ok(Heard::Input(Input::Transforms { is_static, transforms }))
         })
     }
 
@@ -164,7 +198,7 @@ impl Subscriptions<'_> {
         role: Role,
         topic: &str,
         qos: QosProfile,
-        convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Input, ConvertError> + 'static,
+        convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Heard, ConvertError> + 'static,
     ) -> Result<(), NodeError> {
         let failed = |e| NodeError::create(topic, e);
         let dds =
@@ -219,7 +253,7 @@ impl Passing {
     async fn on<M: Message + 'static>(
         self,
         subscription: Subscription<M>,
-        mut convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Input, ConvertError>,
+        mut convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Heard, ConvertError>,
     ) {
         loop {
             let mut left_out = Vec::new();
@@ -237,11 +271,12 @@ impl Passing {
                 self.status.skipped(&self.topic, why);
             }
             match converted {
-                Ok(input) => {
+                Ok(Heard::Input(input)) => {
                     let stamp = stamp_of(&input);
                     self.status.received(&self.topic, stamp, self.role.is_present);
                     self.inbox.put(input);
                 }
+                Ok(Heard::Kept(stamp)) => self.status.received(&self.topic, Some(stamp), false),
                 Err(why) => {
                     self.status.received(&self.topic, None, false);
                     self.status.skipped(&self.topic, why);
@@ -251,6 +286,18 @@ impl Passing {
             tokio::task::yield_now().await;
         }
     }
+}
+
+/// What a message is good for.
+enum Heard {
+    /// The worker takes it.
+    Input(Input),
+    /// It was kept, for what may follow from others.
+    Kept(Stamp),
+}
+
+fn input<T>(of: impl Fn(T) -> Input) -> impl Fn(T) -> Heard {
+    move |message| Heard::Input(of(message))
 }
 
 fn stamp_of(input: &Input) -> Option<Stamp> {

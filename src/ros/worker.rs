@@ -1,18 +1,19 @@
 //! The one thread that owns the core.
 
 use super::{
-    broadcast::Correction,
     inbox::{Inbox, Work},
     outputs::Outputs,
     status::{Shared, now},
 };
 use crate::{
     config::Parameters,
+    msg::ellipsoid_slam::{QueryObjectsRequest, QueryObjectsResponse},
     perception::{Stage, StageObserver},
-    pipeline::{ObjectSlam, Update},
+    pipeline::ObjectSlam,
+    time::Stamp,
 };
 use std::{path::Path, sync::Arc};
-use tokio::sync::{oneshot, watch};
+use tokio::sync::oneshot;
 
 /// What was done, or why not.
 pub(super) type Answer = oneshot::Sender<Result<String, String>>;
@@ -25,6 +26,8 @@ pub(super) enum Command {
     Pause(bool, Answer),
     /// Write the map to a file; empty: the parameter `map.file`.
     Save(String, Answer),
+    /// Look objects up.
+    Query(Box<QueryObjectsRequest>, oneshot::Sender<QueryObjectsResponse>),
     /// Parameters changed.
     Settings(Box<Parameters>),
 }
@@ -39,7 +42,6 @@ pub(super) struct Worker {
     pub(super) outputs: Outputs,
     pub(super) inbox: Arc<Inbox>,
     pub(super) status: Shared,
-    pub(super) correction: watch::Sender<Option<Correction>>,
     pub(super) save_map: SaveMap,
     pub(super) paused: bool,
 }
@@ -52,8 +54,9 @@ impl Worker {
                 Work::Input(_) if self.paused => (),
                 Work::Input(input) => {
                     let started = now();
+                    self.outputs.hear(&input);
                     let update = self.slam.handle(input, &mut Unobserved);
-                    self.take(&update);
+                    self.outputs.publish(&update, &self.slam);
                     let objects = self.slam.objects().count();
                     self.status.worked(&update, objects, now() - started);
                 }
@@ -61,23 +64,13 @@ impl Worker {
             }
         }
         let update = self.slam.finish(&mut Unobserved);
-        self.take(&update);
+        self.outputs.publish(&update, &self.slam);
+        self.outputs.finish(&self.slam);
         if self.parameters.node.map.save_on_shutdown {
             match self.save("") {
                 Ok(done) => tracing::info!("{done}"),
                 Err(why) => tracing::error!("the map was not saved: {why}"),
             }
-        }
-    }
-
-    fn take(&mut self, update: &Update) {
-        self.outputs.publish(update, &self.slam);
-        if let Some(pose) = update.poses.last() {
-            let (odom_frame, _) = self.slam.frames();
-            self.correction.send_replace(Some(Correction {
-                odom_frame: odom_frame.to_owned(),
-                map_from_odom: pose.map_from_base * pose.odom_from_base.inverse(),
-            }));
         }
     }
 
@@ -91,7 +84,13 @@ impl Worker {
                 (answer, Ok(said.into()))
             }
             Command::Save(path, answer) => (answer, self.save(&path)),
+            Command::Query(request, answer) => {
+                let response = self.outputs.query(&request, &self.slam, self.now());
+                let _ = answer.send(response);
+                return;
+            }
             Command::Settings(parameters) => {
+                self.outputs.change_settings(parameters.node.publish);
                 self.slam.change_settings(parameters.slam.clone());
                 self.parameters = *parameters;
                 return;
@@ -104,10 +103,15 @@ impl Worker {
     fn reset(&mut self) -> Result<String, String> {
         let was = self.slam.objects().count();
         self.slam = ObjectSlam::new(self.parameters.slam.clone());
-        self.correction.send_replace(None);
-        self.outputs.clear(self.status.lock().ros_time());
+        self.outputs.reset(self.now(), &self.slam);
         self.status.lock().objects = 0;
         Ok(format!("{was} objects forgotten"))
+    }
+
+    /// The present of the data that the map is made of.
+    fn now(&self) -> Stamp {
+        let status = self.status.lock();
+        status.present.unwrap_or_else(|| status.ros_time())
     }
 
     fn save(&mut self, given: &str) -> Result<String, String> {

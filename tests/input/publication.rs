@@ -69,7 +69,7 @@ fn a_question_about_the_view_needs_one() {
     let answer = query_objects(&request, [], None, at);
     assert!(!answer.success && answer.message.contains("no view"), "{}", answer.message);
     let answer = query_objects(&request, [], Some(&view()), at);
-    assert!(answer.success && answer.objects.is_empty() && answer.header.frame_id == "map");
+    assert!(answer.success && answer.ids.is_empty() && answer.header.frame_id == "map");
 }
 
 #[test]

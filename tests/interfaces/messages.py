@@ -18,7 +18,7 @@ for message in [
     objects,
     EllipsoidMeasurementArray(measurements=[measured], support_heights=[0.0, 0.75]),
     query,
-    QueryObjects.Response(success=True, objects=[cup]),
+    QueryObjects.Response(success=True, ids=[7, 9]),
     SaveMap.Request(path="/tmp/map.json"),
     LoadMap.Response(success=True, objects=7),
 ]:
