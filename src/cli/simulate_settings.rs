@@ -63,6 +63,7 @@ pub(super) fn effective(args: &Args) -> Result<SimulationSettings, Failure> {
     settings.scene = args.scene.map_or(settings.scene, Into::into);
     settings.trajectory = args.trajectory.map_or(settings.trajectory, Into::into);
     settings.seed = args.seed.unwrap_or(settings.seed);
+    settings.visit = args.visit.unwrap_or(settings.visit);
     settings.frames = args.frames.unwrap_or(settings.frames);
     if args.perfect {
         settings = settings.perfect();

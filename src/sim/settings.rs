@@ -37,6 +37,8 @@ pub struct SimulationSettings {
     pub trajectory: TrajectoryKind,
     /// Draws poses, sizes and clutter, and all noise.
     pub seed: u64,
+    /// Which visit to the same scene: another one has another way through it and other noise, from the same `seed`.
+    pub visit: u64,
     /// How many frames; 0 for what suits the trajectory.
     pub frames: usize,
     /// Frames a second.
@@ -61,6 +63,7 @@ impl Default for SimulationSettings {
             scene: SceneKind::Desk,
             trajectory: TrajectoryKind::Orbit,
             seed: 1,
+            visit: 0,
             frames: 0,
             frame_rate_hz: 3.0,
             start_time_s: 1_700_000_000.0,
@@ -229,6 +232,9 @@ pub struct OdometrySettings {
     pub yaw_bias_rad_per_m: f64,
     /// The covariance that is claimed is the true one times this.
     pub claimed_covariance_factor: f64,
+    /// Odometry starts at zero wherever the robot is, as it does on a robot that was switched on; otherwise at the
+    /// true pose, so that `odom` and the world agree at the first frame.
+    pub starts_at_zero: bool,
 }
 
 impl Default for OdometrySettings {
@@ -241,6 +247,7 @@ impl Default for OdometrySettings {
             scale_bias: 0.0,
             yaw_bias_rad_per_m: 0.0,
             claimed_covariance_factor: 1.0,
+            starts_at_zero: false,
         }
     }
 }
@@ -294,8 +301,16 @@ impl SimulationSettings {
             scale_bias: 0.0,
             yaw_bias_rad_per_m: 0.0,
             claimed_covariance_factor: 1.0,
+            ..self.odometry
         };
         self
+    }
+
+    /// The seed of everything but the scene.
+    pub(super) fn visit_seed(&self) -> u64 {
+        /// Odd, so that different visits never have the same seed (Knuth's multiplicative hashing).
+        const STRIDE: u64 = 0x9e37_79b9_7f4a_7c15;
+        self.seed.wrapping_add(self.visit.wrapping_mul(STRIDE))
     }
 
     /// Checks every number once.

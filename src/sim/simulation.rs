@@ -78,7 +78,7 @@ pub struct SimulatedFrame {
     pub odometry: OdometryReading,
 }
 
-/// The true objects of a scene in the world frame, which is `map`: the odometry starts at the true pose.
+/// The true objects of a scene in the world frame, which is `map` where the odometry starts at the true pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundTruth {
     /// By id.
@@ -118,7 +118,7 @@ impl Simulation {
             odometry: odometry::readings(
                 &trajectory.world_from_base,
                 &settings.odometry,
-                settings.seed,
+                settings.visit_seed(),
             ),
             renderer: Renderer::new(&scene),
             settings,
@@ -185,7 +185,7 @@ impl Simulation {
         let exact = self.renderer.render(&self.camera, &world_from_camera);
         let depth_m = self.depth_readings(index, &exact);
         let visible = visible_parts(&exact.instances, self.camera.width() as usize);
-        let mut random = Random::new(self.settings.seed, Purpose::Detector, index as u64);
+        let mut random = Random::new(self.settings.visit_seed(), Purpose::Detector, index as u64);
         let jitter_s = random.between(0.0, self.settings.detector.delay_jitter_s);
         let stamp = self.stamp(index);
         SimulatedFrame {
@@ -204,7 +204,7 @@ impl Simulation {
     }
 
     fn depth_readings(&self, index: usize, exact: &Rendered) -> Vec<f32> {
-        let key = PixelRandom::frame_key(self.settings.seed, index as u64);
+        let key = PixelRandom::frame_key(self.settings.visit_seed(), index as u64);
         let (width, focal_px) = (self.camera.width() as usize, self.camera.focal().0);
         sensor::readings(exact, width, focal_px, &self.settings.depth, key)
     }
