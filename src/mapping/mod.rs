@@ -6,6 +6,7 @@ mod object;
 mod objects;
 mod observation;
 mod odometry;
+mod relocalisation;
 mod slam_settings;
 mod views;
 
@@ -13,4 +14,7 @@ pub use association::{Association, GateSettings};
 pub use object::{MapObject, ObjectId};
 pub use objects::{MappingSettings, ObjectMap, Sighted};
 pub use observation::{Measured, Observation, ObservedBox, Sighting};
+pub use relocalisation::{
+    Constellation, ExpectedPlace, Landmark, NotRelocalised, RelocalisationSettings, Relocalised,
+};
 pub use slam_settings::{BoxOutline, KernelShape, SlamSettings, Weighting};
