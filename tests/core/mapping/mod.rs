@@ -3,6 +3,7 @@
 mod association;
 mod drift;
 mod fusion;
+mod merging;
 
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Outline, Pose},
