@@ -2,6 +2,7 @@
 
 mod association;
 mod initial;
+mod merging;
 mod object;
 mod objects;
 mod observation;
@@ -11,6 +12,7 @@ mod slam_settings;
 mod views;
 
 pub use association::{Association, GateSettings};
+pub use merging::MergeError;
 pub use object::{MapObject, ObjectId};
 pub use objects::{MappingSettings, ObjectMap, Sighted};
 pub use observation::{Measured, Observation, ObservedBox, Sighting};

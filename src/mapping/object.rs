@@ -4,8 +4,8 @@ use super::{BoxOutline, Measured, Observation, SlamSettings, Weighting, views::V
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
     graph::{
-        BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise, PoseId,
-        SupportContact, Upright,
+        BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise,
+        NoiseError, PoseId, SupportContact, Upright,
     },
     time::Stamp,
 };
@@ -43,6 +43,8 @@ pub struct MapObject {
     support_heights: u32,
     variable: EllipsoidId,
     views: Views,
+    /// Its other factors.
+    ties: Vec<Tie>,
     /// Where single measurements saw its centre, in the map.
     centers: Vec<Point3<f64>>,
     ellipsoid: Ellipsoid,
@@ -51,6 +53,37 @@ pub struct MapObject {
     votes: BTreeMap<String, f64>,
     /// Probability that all measurements were false.
     doubt: f64,
+}
+
+/// A factor that is not counted by its direction.
+#[derive(Clone, Debug)]
+enum Tie {
+    Box(BoxObservation),
+    Support(SupportContact),
+    /// With the paper's weights.
+    Measured(EllipsoidObservation),
+}
+
+impl Tie {
+    fn add(self, graph: &mut Graph, variable: EllipsoidId) -> Self {
+        match self {
+            Self::Box(factor) => {
+                let factor = factor.of(variable);
+                graph.add_factor(factor.clone());
+                Self::Box(factor)
+            }
+            Self::Support(factor) => {
+                let factor = factor.of(variable);
+                graph.add_factor(factor.clone());
+                Self::Support(factor)
+            }
+            Self::Measured(factor) => {
+                let factor = factor.of(variable);
+                graph.add_factor(factor.clone());
+                Self::Measured(factor)
+            }
+        }
+    }
 }
 
 impl MapObject {
@@ -71,6 +104,7 @@ impl MapObject {
             support_heights: 0,
             variable,
             views: Views::default(),
+            ties: Vec::new(),
             centers: Vec::new(),
             ellipsoid: upright(initial),
             covariance: SMatrix::identity(),
@@ -186,14 +220,18 @@ impl MapObject {
                 outline,
                 sides.sides,
             )?;
-            graph.add_factor(factor.with_kernel(settings.robust_kernel()));
+            let factor = factor.with_kernel(settings.robust_kernel());
+            graph.add_factor(factor.clone());
+            self.ties.push(Tie::Box(factor));
         }
         let support = observation.measured.as_ref().and_then(|measured| measured.support);
         if let Some(plane) = support.filter(|_| settings.support) {
             let plane = plane.transformed(&(graph.pose(pose) * keyframe_from_base));
             let factor =
                 SupportContact::new(self.variable, self.outline, plane, settings.support_sigma_m)?;
-            graph.add_factor(factor.with_kernel(settings.robust_kernel()));
+            let factor = factor.with_kernel(settings.robust_kernel());
+            graph.add_factor(factor.clone());
+            self.ties.push(Tie::Support(factor));
         }
         Ok(())
     }
@@ -214,13 +252,13 @@ impl MapObject {
             EllipsoidObservation::new(pose, self.variable, ellipsoid, &covariance, self.outline)?;
         let factor = factor.with_kernel(settings.robust_kernel());
         if settings.weighting == Weighting::Paper {
-            graph.add_factor(factor);
+            graph.add_factor(factor.clone());
+            self.ties.push(Tie::Measured(factor));
             return Ok(());
         }
         self.begin_anew_if_wrong(graph, &ellipsoid.transformed(&graph.pose(pose)));
-        let eye = graph.pose(pose).translation.vector.into();
-        let eye = self.ellipsoid.pose.inverse_transform_point(&eye);
-        Ok(self.views.add(graph, &eye, factor, settings)?)
+        let map_from_object = self.ellipsoid.pose;
+        Ok(self.views.add(graph, &map_from_object, (pose, factor), settings)?)
     }
 
     /// An object that began with an outlier stays at it: the robust kernel then takes what is right for outliers. So where
@@ -238,6 +276,42 @@ impl MapObject {
         if nalgebra::distance(&center, &estimate) > reach && near(&center) > near(&estimate) {
             graph.set_ellipsoid(self.variable, *measured);
         }
+    }
+
+    /// Takes over all that is known of another object that is the same thing: its factors, votes and times. The other's
+    /// variable leaves the graph.
+    pub(super) fn absorb(
+        &mut self,
+        graph: &mut Graph,
+        mut other: Self,
+        settings: &SlamSettings,
+    ) -> Result<(), NoiseError> {
+        let place = self.ellipsoid.pose;
+        let views = other.views.take(graph, |_| true);
+        self.views.join(graph, (self.variable, &place), views, settings)?;
+        self.ties.extend(other.ties.into_iter().map(|tie| tie.add(graph, self.variable)));
+        graph.remove_variable(other.variable);
+        self.observations += other.observations;
+        self.first_seen = self.first_seen.min(other.first_seen);
+        self.last_seen = self.last_seen.max(other.last_seen);
+        for (label, votes) in other.votes {
+            *self.votes.entry(label).or_default() += votes;
+        }
+        self.doubt = (self.doubt * other.doubt).max(MIN_DOUBT);
+        self.centers.extend(other.centers);
+        self.centers.truncate(MAX_CENTERS);
+        let (own, others) = (f64::from(self.support_heights), f64::from(other.support_heights));
+        self.support_height_m = match (self.support_height_m, other.support_height_m) {
+            (Some(own_m), Some(other_m)) => Some((own * own_m + others * other_m) / (own + others)),
+            (own_m, other_m) => own_m.or(other_m),
+        };
+        self.support_heights += other.support_heights;
+        Ok(())
+    }
+
+    /// Takes its variable and factors out of the graph.
+    pub(super) fn leave(self, graph: &mut Graph) {
+        graph.remove_variable(self.variable);
     }
 
     pub(super) fn take_estimate(&mut self, graph: &Graph) {

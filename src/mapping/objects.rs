@@ -39,10 +39,10 @@ impl Default for MappingSettings {
 #[derive(Debug)]
 pub struct ObjectMap {
     settings: MappingSettings,
-    slam: SlamSettings,
-    graph: Graph,
+    pub(super) slam: SlamSettings,
+    pub(super) graph: Graph,
     chain: Chain,
-    objects: Vec<MapObject>,
+    pub(super) objects: Vec<MapObject>,
     /// What was seen too seldom to be an object, where only boxes count.
     initial: BTreeMap<u64, InitialViews>,
     last_id: u64,
@@ -191,7 +191,7 @@ impl ObjectMap {
     }
 
     /// Takes over what the graph says now.
-    fn refresh(&mut self, seen: impl Iterator<Item = usize>) {
+    pub(super) fn refresh(&mut self, seen: impl Iterator<Item = usize>) {
         self.objects.iter_mut().for_each(|object| object.take_estimate(&self.graph));
         for at in seen {
             self.objects[at].take_covariance(&self.graph, &self.slam);

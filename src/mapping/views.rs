@@ -1,8 +1,10 @@
 //! The views that an object was measured from, and what similar ones are worth together.
 
 use super::SlamSettings;
-use crate::graph::{EllipsoidObservation, FactorId, Graph, NoiseError};
-use nalgebra::Point3;
+use crate::{
+    geometry::Pose,
+    graph::{EllipsoidId, EllipsoidObservation, FactorId, Graph, NoiseError, PoseId},
+};
 use std::collections::BTreeMap;
 
 /// Factors of one object by the direction it was seen from.
@@ -12,14 +14,16 @@ pub(super) struct Views {
 }
 
 #[derive(Clone, Debug)]
-struct View {
+pub(super) struct View {
+    /// The keyframe it was made from.
+    pub(super) pose: PoseId,
     /// With all the information that the measurement claims.
-    factor: EllipsoidObservation,
+    pub(super) factor: EllipsoidObservation,
     in_graph: FactorId,
 }
 
 impl Views {
-    /// Adds a measurement that was made from `eye`, both in the object's frame.
+    /// Adds a measurement that was made from a keyframe of an object that is turned and placed as `map_from_object`.
     ///
     /// Measurements from one direction see the same side and are wrong alike: if their errors have correlation `rho`,
     /// `n` of them are worth `n / (1 + (n - 1) rho)` independent ones. So each gets that share of its information,
@@ -28,10 +32,12 @@ impl Views {
     pub(super) fn add(
         &mut self,
         graph: &mut Graph,
-        eye: &Point3<f64>,
-        factor: EllipsoidObservation,
+        map_from_object: &Pose,
+        (pose, factor): (PoseId, EllipsoidObservation),
         settings: &SlamSettings,
     ) -> Result<(), NoiseError> {
+        let eye = graph.pose(pose).translation.vector.into();
+        let eye = map_from_object.inverse_transform_point(&eye);
         let bearing = eye.y.atan2(eye.x) / settings.similar_views_deg.to_radians();
         let sector = self.sectors.entry(bearing.round() as i64).or_default();
         let share = |count: usize| {
@@ -49,8 +55,42 @@ impl Views {
             }
         }
         let in_graph = graph.add_factor(factor.clone().scaled(now)?);
-        sector.push(View { factor, in_graph });
+        sector.push(View { pose, factor, in_graph });
         Ok(())
+    }
+
+    /// Takes out the views that are another object's, with their factors.
+    pub(super) fn take(
+        &mut self,
+        graph: &mut Graph,
+        is_others: impl Fn(&View) -> bool,
+    ) -> Vec<View> {
+        let mut taken = Vec::new();
+        for sector in self.sectors.values_mut() {
+            taken.extend(sector.extract_if(.., |view| is_others(view)));
+        }
+        self.sectors.retain(|_, sector| !sector.is_empty());
+        taken.iter().for_each(|view| graph.remove_factor(view.in_graph));
+        taken
+    }
+
+    /// Adds the views that another object had.
+    pub(super) fn join(
+        &mut self,
+        graph: &mut Graph,
+        (variable, map_from_object): (EllipsoidId, &Pose),
+        views: Vec<View>,
+        settings: &SlamSettings,
+    ) -> Result<(), NoiseError> {
+        for View { pose, factor, .. } in views {
+            self.add(graph, map_from_object, (pose, factor.of(variable)), settings)?;
+        }
+        Ok(())
+    }
+
+    /// Directions from which it was measured.
+    pub(super) fn directions(&self) -> usize {
+        self.sectors.len()
     }
 }
 

@@ -35,6 +35,11 @@ impl SupportContact {
         Ok(Self { variables, outline, plane, inverse_sigma, kernel: Kernel::Quadratic })
     }
 
+    /// The same plane under another object: what was taken for two turned out to be one.
+    pub fn of(self, ellipsoid: EllipsoidId) -> Self {
+        Self { variables: [ellipsoid.into()], ..self }
+    }
+
     /// The same with a robust kernel.
     pub fn with_kernel(self, kernel: Kernel) -> Self {
         Self { kernel, ..self }

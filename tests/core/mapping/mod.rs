@@ -3,6 +3,7 @@
 mod association;
 mod drift;
 mod fusion;
+mod merging;
 mod relocalisation;
 
 use ellipsoid_slam::{
