@@ -171,4 +171,31 @@ pub const KEYS: &[Key] = &[
         1e3,
         "cost for which a change is kept from the rest of the map",
     ),
+    other("relocalisation", "Recognising a place of a saved map by its objects."),
+    number(
+        "relocalisation.max_false_probability",
+        1e-12,
+        0.5,
+        "probability with which a place that is accepted may be false",
+    ),
+    number(
+        "relocalisation.new_object_probability",
+        1e-6,
+        0.9,
+        "share of seen objects that are not in the map: moved or new",
+    ),
+    number(
+        "relocalisation.elsewhere_probability",
+        1e-6,
+        0.999,
+        "probability beforehand that the robot is not in the map",
+    ),
+    number(
+        "relocalisation.position_sigma_m",
+        0.0,
+        10.0,
+        "standard deviation of positions, besides what covariances say [m]",
+    ),
+    number("relocalisation.heading_sigma_deg", 0.0, 90.0, "the same of headings [deg]"),
+    number("relocalisation.size_sigma_ratio", 0.0, 10.0, "the same of sizes, as a share"),
 ];

@@ -1,6 +1,8 @@
 //! An object of the map.
 
-use super::{BoxOutline, Measured, Observation, SlamSettings, Weighting, views::Views};
+use super::{
+    BoxOutline, Measured, Observation, SavedObject, SlamSettings, Weighting, views::Views,
+};
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
     graph::{
@@ -62,6 +64,8 @@ enum Tie {
     Support(SupportContact),
     /// With the paper's weights.
     Measured(EllipsoidObservation),
+    /// What an earlier run knew.
+    Prior(EllipsoidPrior),
 }
 
 impl Tie {
@@ -81,6 +85,11 @@ impl Tie {
                 let factor = factor.of(variable);
                 graph.add_factor(factor.clone());
                 Self::Measured(factor)
+            }
+            Self::Prior(factor) => {
+                let factor = factor.of(variable);
+                graph.add_factor(factor.clone());
+                Self::Prior(factor)
             }
         }
     }
@@ -110,6 +119,52 @@ impl MapObject {
             covariance: SMatrix::identity(),
             votes: BTreeMap::new(),
             doubt: 1.0,
+        }
+    }
+
+    /// An object of an earlier run, of which the graph gets a prior.
+    ///
+    /// # Errors
+    /// When its covariance is none.
+    pub(super) fn remembered(
+        saved: &SavedObject,
+        graph: &mut Graph,
+        settings: &SlamSettings,
+    ) -> Result<Self, NoiseError> {
+        let covariance = saved.reliable_covariance();
+        let noise = Noise::from_covariance(&covariance)?;
+        let variable = graph.add_ellipsoid(saved.ellipsoid);
+        let prior = EllipsoidPrior::new(variable, saved.ellipsoid, noise);
+        let prior = prior.with_kernel(settings.robust_kernel());
+        graph.add_factor(prior.clone());
+        let votes = f64::from(saved.observations);
+        let height = saved.support_height_m;
+        Ok(Self {
+            id: saved.into(),
+            track: None,
+            outline: saved.outline,
+            observations: saved.observations,
+            first_seen: saved.first_seen,
+            last_seen: saved.last_seen,
+            support_height_m: height,
+            support_heights: if height.is_some() { saved.observations.max(1) } else { 0 },
+            variable,
+            views: Views::default(),
+            ties: vec![Tie::Prior(prior)],
+            centers: Vec::new(),
+            ellipsoid: saved.ellipsoid,
+            covariance: saved.covariance,
+            votes: saved.labels.iter().map(|(label, p)| (label.clone(), p * votes)).collect(),
+            doubt: 1.0 - saved.existence,
+        })
+    }
+
+    /// Gives what is not in the graph in another frame.
+    pub(super) fn move_map(&mut self, new_from_old: &Pose) {
+        self.ellipsoid = self.ellipsoid.transformed(new_from_old);
+        self.centers.iter_mut().for_each(|center| *center = new_from_old * *center);
+        if let Some(height) = &mut self.support_height_m {
+            *height += new_from_old.translation.z;
         }
     }
 

@@ -41,11 +41,11 @@ pub struct ObjectMap {
     settings: MappingSettings,
     pub(super) slam: SlamSettings,
     pub(super) graph: Graph,
-    chain: Chain,
+    pub(super) chain: Chain,
     pub(super) objects: Vec<MapObject>,
     /// What was seen too seldom to be an object, where only boxes count.
     initial: BTreeMap<u64, InitialViews>,
-    last_id: u64,
+    pub(super) last_id: u64,
 }
 
 /// What came of a sighting.

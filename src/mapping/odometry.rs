@@ -3,7 +3,7 @@
 use super::SlamSettings;
 use crate::{
     geometry::{Pose, interpolate},
-    graph::{Graph, Noise, NoiseError, PoseId, PosePrior, RelativePose, step_covariance},
+    graph::{FactorId, Graph, Noise, NoiseError, PoseId, PosePrior, RelativePose, step_covariance},
     time::Stamp,
 };
 
@@ -20,6 +20,10 @@ struct Keyframe {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     keyframes: Vec<Keyframe>,
+    /// What holds the first pose where the map was defined to begin.
+    anchor: Option<FactorId>,
+    /// Where the map was moved to since it was odometry's frame.
+    moved: Pose,
 }
 
 impl Chain {
@@ -44,7 +48,12 @@ impl Chain {
         let pose = graph.add_pose(self.map_from_odom(graph) * odom_from_base);
         match last.filter(|_| settings.optimize_poses) {
             None => {
-                graph.add_factor(PosePrior::new(pose, *odom_from_base, Noise::from_sigmas(KNOWN)?));
+                let held = self.moved * odom_from_base;
+                let anchor = PosePrior::new(pose, held, Noise::from_sigmas(KNOWN)?);
+                let anchor = graph.add_factor(anchor);
+                if self.keyframes.is_empty() && settings.optimize_poses {
+                    self.anchor = Some(anchor);
+                }
             }
             Some((last, step)) => {
                 let from = (&last.odom_from_base, last.covariance.as_deref());
@@ -85,6 +94,27 @@ impl Chain {
         }
     }
 
+    /// The first pose.
+    pub(super) fn first(&self, graph: &Graph) -> Option<Pose> {
+        self.keyframes.first().map(|first| graph.pose(first.pose))
+    }
+
+    /// The map has moved.
+    pub(super) fn move_map(&mut self, new_from_old: &Pose) {
+        self.moved = new_from_old * self.moved;
+    }
+
+    /// Something else says from now on where the map is: the first pose is only held upright.
+    pub(super) fn loosen(&mut self, graph: &mut Graph) {
+        let (Some(anchor), Some(first)) = (self.anchor.take(), self.keyframes.first()) else {
+            return;
+        };
+        graph.remove_factor(anchor);
+        if let Ok(noise) = Noise::from_sigmas(UPRIGHT) {
+            graph.add_factor(PosePrior::new(first.pose, graph.pose(first.pose), noise));
+        }
+    }
+
     /// Forgets all but the first keyframes.
     pub(super) fn truncate(&mut self, count: usize) {
         self.keyframes.truncate(count);
@@ -99,5 +129,7 @@ fn correction(graph: &Graph, keyframe: &Keyframe) -> Pose {
     graph.pose(keyframe.pose) * keyframe.odom_from_base.inverse()
 }
 
+/// A robot stands upright; the rest is open (rad, m).
+const UPRIGHT: [f64; 6] = [1e-3, 1e-3, 1.0, 1.0, 1.0, 1.0];
 /// Where the map begins is a matter of definition (rad, m).
 const KNOWN: [f64; 6] = [1e-4; 6];

@@ -8,7 +8,8 @@ use crate::{
     geometry::{Camera, Pose, Rect},
     graph::BoxSide,
     mapping::{
-        MapObject, Measured, ObjectId, ObjectMap, Observation, ObservedBox, Sighting, SlamSettings,
+        Continuation, MapObject, Measured, ObjectId, ObjectMap, Observation, ObservedBox,
+        Relocalised, SavedMap, Sighting, SlamSettings,
     },
     perception::{
         DepthImage, Detection, EllipsoidMeasurement, Frame, Rays, Refused, Stage, StageObserver,
@@ -27,6 +28,8 @@ pub struct Update {
     pub keyframes: Vec<Keyframe>,
     /// Messages that could not be used.
     pub dropped: Vec<Dropped>,
+    /// The place in the saved map was recognised: from now on poses and objects are in its frame.
+    pub relocalised: Option<Relocalised>,
 }
 
 /// Where the base was when a depth image was taken.
@@ -72,6 +75,8 @@ pub struct ObjectSlam {
     settings: Settings,
     sync: Sync,
     map: ObjectMap,
+    /// The saved map, as long as the place in it is not known.
+    waiting: Option<Continuation>,
     color_rays: Option<Rays>,
     depth_rays: Option<Rays>,
 }
@@ -81,7 +86,23 @@ impl ObjectSlam {
     pub fn new(settings: Settings) -> Self {
         let sync = Sync::new(settings.sync.clone());
         let map = ObjectMap::new(settings.mapping, settings.slam);
-        Self { settings, sync, map, color_rays: None, depth_rays: None }
+        Self { settings, sync, map, waiting: None, color_rays: None, depth_rays: None }
+    }
+
+    /// Continues a saved map. `start` is `map_from_base` at the first frame, if it is known about.
+    ///
+    /// Until the place in the saved map is recognised, the map is odometry's frame at the first frame and has only what
+    /// was seen since.
+    pub fn continuing(settings: Settings, saved: SavedMap, start: Option<Pose>) -> Self {
+        let Self { settings, sync, map, .. } = Self::new(settings);
+        let map = map.continuing(&saved);
+        let waiting = Some(Continuation::new(saved, start, settings.relocalisation));
+        Self { settings, sync, map, waiting, color_rays: None, depth_rays: None }
+    }
+
+    /// The saved map that the place was not recognised in yet, and why not.
+    pub fn waiting(&self) -> Option<&Continuation> {
+        self.waiting.as_ref()
     }
 
     /// Takes one message and does what it makes possible.
@@ -98,6 +119,7 @@ impl ObjectSlam {
         let mut update = Update::default();
         self.work(true, &mut update, observer);
         self.map.finish();
+        self.relocalise(true, &mut update);
         update.dropped.extend(self.sync.leftovers());
         update
     }
@@ -127,6 +149,7 @@ impl ObjectSlam {
                     Ok(keyframe) => update.keyframes.push(keyframe),
                     Err(dropped) => update.dropped.push(dropped),
                 }
+                self.relocalise(false, update);
             }
             update.poses.push(FramePose {
                 stamp,
@@ -134,6 +157,15 @@ impl ObjectSlam {
                 odom_from_base,
                 keyframes: self.map.keyframes(),
             });
+        }
+    }
+
+    /// Looks whether the saved map can be entered by now.
+    fn relocalise(&mut self, is_last: bool, update: &mut Update) {
+        let Some(waiting) = &mut self.waiting else { return };
+        if let Some(found) = waiting.attempt(&mut self.map, is_last) {
+            self.waiting = None;
+            update.relocalised = Some(found);
         }
     }
 

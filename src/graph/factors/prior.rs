@@ -74,6 +74,11 @@ impl EllipsoidPrior {
         Self { variables: [ellipsoid.into()], prior, noise, kernel: Kernel::Quadratic }
     }
 
+    /// The same about another object: what was taken for two turned out to be one.
+    pub fn of(self, ellipsoid: EllipsoidId) -> Self {
+        Self { variables: [ellipsoid.into()], ..self }
+    }
+
     /// The same with a robust kernel.
     pub fn with_kernel(self, kernel: Kernel) -> Self {
         Self { kernel, ..self }

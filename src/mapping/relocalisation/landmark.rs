@@ -94,6 +94,8 @@ pub(super) struct Comparison {
     /// Logarithm of how much likelier size, heading and height are for one and the same body than for two bodies of
     /// one class.
     pub(super) likeness: f64,
+    /// Squared Mahalanobis distance of the sizes.
+    size_mahalanobis: f64,
 }
 
 impl Comparison {
@@ -104,17 +106,33 @@ impl Comparison {
         let turned_variance = seen.yaw_variance + known.yaw_variance;
         let turn = known.yaw - seen.yaw - placement.yaw;
         // The same body, named anew: an even number of quarter turns keeps which axis is x, an odd one does not.
-        let (turned, shape) = [false, true]
+        let (turned, shape, swapped) = [false, true]
             .map(|swapped| {
                 let offset = if swapped { FRAC_PI_2 } else { 0.0 };
                 let turned = wrapped(turn - offset, PI);
                 let size = likeness_of_size(seen, known, swapped);
-                (turned, size + likeness_of_heading(turned, turned_variance))
+                (turned, size + likeness_of_heading(turned, turned_variance), swapped)
             })
             .into_iter()
-            .fold((0.0, f64::MIN), |best, named| if named.1 > best.1 { named } else { best });
+            .fold(
+                (0.0, f64::MIN, false),
+                |best, named| if named.1 > best.1 { named } else { best },
+            );
         let height = same_rather_than_alike(apart.z, spread[(2, 2)], CLASS_HEIGHT_SIGMA_M);
-        Self { apart, spread, turned, turned_variance, likeness: shape + height }
+        let (differences, variances) = size_differences(seen, known, swapped);
+        let size_mahalanobis =
+            differences.component_mul(&differences).component_div(&variances).sum();
+        let likeness = shape + height;
+        Self { apart, spread, turned, turned_variance, likeness, size_mahalanobis }
+    }
+
+    /// Whether all differences are such as errors are.
+    pub(super) fn is_plausible(&self) -> bool {
+        let place =
+            self.spread.cholesky().map_or(f64::MAX, |c| self.apart.dot(&c.solve(&self.apart)));
+        let is_blind = self.turned_variance.sqrt() > NO_HEADING_RAD;
+        let heading = if is_blind { 0.0 } else { self.turned * self.turned / self.turned_variance };
+        place + heading + self.size_mahalanobis < PLAUSIBLE
     }
 
     /// Logarithm of the density (1/m^2) with which the same body is seen so far off on the ground.
@@ -132,10 +150,15 @@ impl Comparison {
 
 /// How much likelier the sizes are for one body than for two of a class.
 pub(super) fn likeness_of_size(seen: &Body, known: &Body, swapped: bool) -> f64 {
+    let (differences, variances) = size_differences(seen, known, swapped);
+    (0..3).map(|i| same_rather_than_alike(differences[i], variances[i], CLASS_SIZE_SIGMA)).sum()
+}
+
+/// By how much the logarithms of the sizes differ, and with which variances.
+fn size_differences(seen: &Body, known: &Body, swapped: bool) -> (Vector3<f64>, Vector3<f64>) {
     let named = |v: &Vector3<f64>| if swapped { v.yxz() } else { *v };
     let differences = named(&known.log_size) - seen.log_size;
-    let variances = named(&known.log_size_variance) + seen.log_size_variance;
-    (0..3).map(|i| same_rather_than_alike(differences[i], variances[i], CLASS_SIZE_SIGMA)).sum()
+    (differences, named(&known.log_size_variance) + seen.log_size_variance)
 }
 
 /// Headings of other bodies are anywhere within half a turn.
@@ -163,3 +186,5 @@ const CLASS_SIZE_SIGMA: f64 = 0.25;
 const CLASS_HEIGHT_SIGMA_M: f64 = 0.2;
 /// A heading is of no use when it is less sure than this (rad).
 const NO_HEADING_RAD: f64 = 0.6;
+/// Chi-square of seven differences (place, heading, size) that errors exceed once in a thousand times.
+const PLAUSIBLE: f64 = 24.3;

@@ -187,7 +187,7 @@ impl Constellation {
             }
         }
         places.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-        self.decide(&places, seen.len(), proposed.complete_above)
+        self.decide(&places, &bodies, proposed.complete_above)
     }
 
     /// Objects of the map that have a label in common with a seen one, and a size that could be the same.
@@ -211,9 +211,10 @@ impl Constellation {
     fn decide(
         &self,
         places: &[Place],
-        seen: usize,
+        bodies: &[Body],
         complete_above: usize,
     ) -> Result<Relocalised, NotRelocalised> {
+        let seen = bodies.len();
         let elsewhere = self.settings.elsewhere_probability;
         let none = (elsewhere / (1.0 - elsewhere)).ln();
         let Some(best) = places.first() else {
@@ -222,25 +223,29 @@ impl Constellation {
         let matched = best.matches.len();
         let limit = self.settings.max_false_probability.ln();
         let against_none = none - best.evidence;
-        let against_chance = against_none + best.largest_advantage(None);
-        if against_chance > limit || matched < MIN_OBJECTS {
+        let is_too_weak = against_none + best.largest_contribution() > limit;
+        // Objects in a row fit many places that are not this one, so that nothing may contradict them.
+        let is_row = matched + 1 < seen && best.fits_mirrored(bodies, self);
+        if is_too_weak || matched < MIN_OBJECTS || is_row {
             return Err(NotRelocalised::NoMatch { matched, seen });
         }
         let others = places[1..].iter();
         let rivals = others.map(|other| other.evidence - best.evidence);
         let all: f64 = rivals.chain([against_none]).map(f64::exp).sum();
         let false_probability = all / (1.0 + all);
-        let close = places[1..].iter().find(|other| {
-            other.evidence - best.evidence + best.largest_advantage(Some(other)) > limit
+        let rival = places[1..].iter().find(|other| {
+            let (advantage, without_one) = best.advantage(other);
+            -advantage > limit || -without_one > SECOND_OPINION.ln()
         });
-        let ambiguous = |second: &Place| NotRelocalised::Ambiguous {
-            best: best.placement.pose(),
-            second: second.placement.pose(),
-            probability: 1.0 - false_probability,
-        };
-        match close {
-            Some(second) => Err(ambiguous(second)),
-            None if false_probability.ln() > limit => Err(ambiguous(places.get(1).unwrap_or(best))),
+        match rival {
+            Some(second) => Err(NotRelocalised::Ambiguous {
+                best: best.placement.pose(),
+                second: second.placement.pose(),
+                probability: 1.0 - false_probability,
+            }),
+            None if false_probability.ln() > limit => {
+                Err(NotRelocalised::NoMatch { matched, seen })
+            }
             // Places that nobody has looked at may explain as much.
             None if matched < complete_above + 1 => Err(NotRelocalised::NoMatch { matched, seen }),
             None => Ok(Relocalised {
@@ -255,6 +260,8 @@ impl Constellation {
 
 /// Two objects fix a place, a third one confirms it.
 const MIN_OBJECTS: usize = 3;
+/// A rival has to be this improbable also by what all objects but one say: one can have been moved, or measured badly.
+const SECOND_OPINION: f64 = 0.05;
 /// The robot may be so far outside of the objects' extents (m).
 const MARGIN_M: f64 = 1.0;
 /// Sizes that are less alike than this are of different objects.

@@ -5,8 +5,8 @@ use super::{
     hypotheses::Candidate,
     landmark::{Body, Comparison, Placement, wrapped},
 };
-use nalgebra::{Matrix4, Vector3, Vector4};
-use std::f64::consts::TAU;
+use nalgebra::{Matrix2, Matrix4, Vector2, Vector3, Vector4};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A seen object that is one of the map's.
 pub(super) struct Match {
@@ -24,6 +24,8 @@ pub(super) struct Place {
     pub(super) evidence: f64,
     /// What each seen object contributes to that.
     of_seen: Vec<f64>,
+    /// Whether the place explains it, as far as errors go.
+    explains: Vec<bool>,
 }
 
 impl Place {
@@ -50,15 +52,19 @@ impl Place {
         let covariance = information.cholesky()?.inverse();
         let matches = assigned(&placement, seen, map, candidates, 0.0);
         let mut of_seen = vec![map.settings.new_object_probability.ln(); seen.len()];
-        for found in &matches {
-            of_seen[found.0.seen] = log_with_new(found.1, map);
+        let mut explains = vec![false; seen.len()];
+        for (found, evidence) in &matches {
+            of_seen[found.seen] = log_with_new(*evidence, map);
+            let known = &map.bodies[found.known];
+            explains[found.seen] =
+                Comparison::new(&seen[found.seen], known, &placement).is_plausible();
         }
         let place = covariance.determinant().sqrt() * TAU * TAU;
         let evidence = of_seen.iter().sum::<f64>()
             + place.ln()
             + log_prior_density(&placement, expected, map.area);
         let matches = matches.into_iter().map(|(found, _)| found).collect();
-        Some(Self { placement, covariance, matches, evidence, of_seen })
+        Some(Self { placement, covariance, matches, evidence, of_seen, explains })
     }
 
     /// Whether another place is this one: it puts the seen objects to about the same places.
@@ -70,10 +76,46 @@ impl Place {
         mean < SAME_PLACE_M
     }
 
-    /// How much of what speaks for this place rather than another one, or than none, is a single object's.
-    pub(super) fn largest_advantage(&self, other: Option<&Self>) -> f64 {
-        let advantage = |(seen, mine): (usize, &f64)| mine - other.map_or(0.0, |o| o.of_seen[seen]);
-        self.of_seen.iter().enumerate().map(advantage).fold(0.0, f64::max)
+    /// Whether the mirror image of what was recognised would fit as well: objects in a row are the same from either side.
+    /// One or two that do not fit prove nothing, as they may be others.
+    pub(super) fn fits_mirrored(&self, seen: &[Body], map: &Constellation) -> bool {
+        let known = || self.matches.iter().map(|m| map.bodies[m.known].center.xy());
+        let count = self.matches.len();
+        let middle = known().sum::<Vector2<f64>>() / count as f64;
+        let scatter: Matrix2<f64> =
+            known().map(|at| (at - middle) * (at - middle).transpose()).sum();
+        let across =
+            0.5 * (2.0 * scatter[(0, 1)]).atan2(scatter[(0, 0)] - scatter[(1, 1)]) + FRAC_PI_2;
+        let across = Vector2::new(across.cos(), across.sin());
+        let fits = |m: &&Match| {
+            let (body, known) = (&seen[m.seen], &map.bodies[m.known]);
+            let at = self.placement.place(&body.center).xy() - middle;
+            let mirrored = middle + at - across * (2.0 * at.dot(&across));
+            let apart = (known.center.xy() - mirrored).norm_squared();
+            let variance = known.horizontal_variance() + body.horizontal_variance();
+            apart < MAX_SIGMAS * MAX_SIGMAS * variance
+        };
+        self.matches.iter().filter(fits).count() + 2 >= count
+    }
+
+    /// How much the single object that speaks most for this place says.
+    pub(super) fn largest_contribution(&self) -> f64 {
+        self.of_seen.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// How much the objects that another place cannot explain speak for this one, and how much without the one that
+    /// says most. What the other explains a little worse says nothing: two places that look the same are never measured
+    /// equally well.
+    pub(super) fn advantage(&self, other: &Self) -> (f64, f64) {
+        let (mut sum, mut largest) = (0.0, 0.0_f64);
+        for seen in 0..self.of_seen.len() {
+            if !other.explains[seen] {
+                let more = self.of_seen[seen] - other.of_seen[seen];
+                sum += more;
+                largest = largest.max(more);
+            }
+        }
+        (sum, sum - largest)
     }
 }
 

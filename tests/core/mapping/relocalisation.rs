@@ -179,7 +179,11 @@ fn trials(
         match located(&map, &seen) {
             Ok(found) if has_place && is_right(&found, &seen, &truth) => tally.right += 1,
             Ok(found) => {
-                println!("seed {seed}: wrong, {} seen: {found:?}", seen.len());
+                println!(
+                    "seed {seed}: wrong, {} of {} seen: {found:?}",
+                    found.matches.len(),
+                    seen.len()
+                );
                 tally.wrong += 1;
             }
             Err(why) => {
