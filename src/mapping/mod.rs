@@ -1,7 +1,13 @@
 //! Memory: which measurement belongs to which object, and which factors poses and objects give the graph.
 
+mod assignment;
 mod association;
+mod existence;
+mod gate;
+mod index;
 mod initial;
+mod labels;
+mod life;
 mod merging;
 mod object;
 mod objects;
@@ -9,10 +15,16 @@ mod observation;
 mod odometry;
 mod slam_settings;
 mod views;
+mod visibility;
 
-pub use association::{Association, GateSettings};
+pub use association::Association;
+pub use existence::{LifeSettings, ObjectState};
+pub use gate::GateSettings;
+pub use labels::LabelSettings;
+pub use life::ObjectChange;
 pub use merging::MergeError;
 pub use object::{MapObject, ObjectId};
 pub use objects::{MappingSettings, ObjectMap, Sighted};
 pub use observation::{Measured, Observation, ObservedBox, Sighting};
 pub use slam_settings::{BoxOutline, KernelShape, SlamSettings, Weighting};
+pub use visibility::View;

@@ -1,6 +1,6 @@
 //! The chain of keyframe poses.
 
-use super::SlamSettings;
+use super::{SlamSettings, gate::Step};
 use crate::{
     geometry::{Pose, interpolate},
     graph::{Graph, Noise, NoiseError, PoseId, PosePrior, RelativePose, step_covariance},
@@ -61,6 +61,25 @@ impl Chain {
             covariance: covariance.map(|c| Box::new(*c)),
         });
         Ok((pose, Pose::identity()))
+    }
+
+    /// The way from the last keyframe to a pose of odometry; nothing before the first one.
+    pub(super) fn step(
+        &self,
+        graph: &Graph,
+        odom_from_base: &Pose,
+        covariance: Option<&[f64; 36]>,
+        settings: &SlamSettings,
+    ) -> Option<Step> {
+        let last = self.keyframes.last()?;
+        let from = (&last.odom_from_base, last.covariance.as_deref());
+        let (noise, _) = step_covariance(from, (odom_from_base, covariance), &settings.motion);
+        Some(Step {
+            pose: Some(last.pose),
+            map_from_pose: graph.pose(last.pose),
+            pose_from_base: last.odom_from_base.inv_mul(odom_from_base),
+            covariance: noise,
+        })
     }
 
     /// What corrects odometry now. It jumps when the graph learns something; `odom` itself never does (REP 105).

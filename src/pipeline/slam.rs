@@ -8,7 +8,8 @@ use crate::{
     geometry::{Camera, Pose, Rect},
     graph::BoxSide,
     mapping::{
-        MapObject, Measured, ObjectId, ObjectMap, Observation, ObservedBox, Sighting, SlamSettings,
+        MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation, ObservedBox, Sighting,
+        SlamSettings, View,
     },
     perception::{
         DepthImage, Detection, EllipsoidMeasurement, Frame, Rays, Refused, Stage, StageObserver,
@@ -25,6 +26,8 @@ pub struct Update {
     pub poses: Vec<FramePose>,
     /// Images whose boxes were worked on.
     pub keyframes: Vec<Keyframe>,
+    /// What happened to objects of the map, in order.
+    pub changes: Vec<ObjectChange>,
     /// Messages that could not be used.
     pub dropped: Vec<Dropped>,
 }
@@ -80,7 +83,7 @@ impl ObjectSlam {
     /// An empty map.
     pub fn new(settings: Settings) -> Self {
         let sync = Sync::new(settings.sync.clone());
-        let map = ObjectMap::new(settings.mapping, settings.slam);
+        let map = ObjectMap::new(settings.mapping.clone(), settings.slam);
         Self { settings, sync, map, color_rays: None, depth_rays: None }
     }
 
@@ -121,7 +124,7 @@ impl ObjectSlam {
         while let Some(mut moment) = self.sync.next(last, &mut update.dropped) {
             let (stamp, odom_from_base) = (moment.depth.stamp, moment.odom_from_base);
             if let Some(detections) = moment.detections.take() {
-                let keyframe = self.keyframe(moment, detections, &mut update.dropped, observer);
+                let keyframe = self.keyframe(moment, detections, update, observer);
                 observer.enter(None);
                 match keyframe {
                     Ok(keyframe) => update.keyframes.push(keyframe),
@@ -142,7 +145,7 @@ impl ObjectSlam {
         &mut self,
         moment: Moment,
         detections: Vec<Detection>,
-        dropped: &mut Vec<Dropped>,
+        update: &mut Update,
         observer: &mut dyn StageObserver,
     ) -> Result<Keyframe, Dropped> {
         let stamp = moment.depth.stamp;
@@ -161,6 +164,7 @@ impl ObjectSlam {
             labels: detection.hypotheses().to_vec(),
             track: detection.track,
             outline: self.settings.perception.classes.prior(detection.label()).outline,
+            rect: Some(detection.rect),
             sides: observed_box(detection, camera, &moment.base_from_camera, &self.settings.slam),
             measured: found.as_ref().ok().map(|m| in_base(m, &moment.base_from_camera)),
         });
@@ -169,8 +173,16 @@ impl ObjectSlam {
             odom_from_base: moment.odom_from_base,
             odometry_covariance: moment.odometry_covariance,
             observations: seen.collect(),
+            view: Some(View {
+                base_from_camera: moment.base_from_camera,
+                camera,
+                depth: &depth,
+                noise: self.settings.depth_noise,
+                max_range_m: self.settings.perception.segmentation.max_range_m,
+            }),
         });
-        dropped.extend(sighted.refused.map(|why| Dropped { stamp, reason: "graph", why }));
+        update.changes.extend(sighted.changes);
+        update.dropped.extend(sighted.refused.map(|why| Dropped { stamp, reason: "graph", why }));
         let map_from_camera = self.map.map_from_odom() * odom_from_camera;
         let boxes = detections
             .into_iter()
