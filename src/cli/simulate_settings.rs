@@ -15,6 +15,8 @@ pub(super) enum SceneName {
     Home,
     /// Two rooms with desks and a corridor.
     Office,
+    /// Chairs round a table, books in a row, two monitors side by side.
+    Crowded,
 }
 
 /// [`TrajectoryKind`] on the command line.
@@ -34,6 +36,7 @@ impl From<SceneName> for SceneKind {
             SceneName::Desk => Self::Desk,
             SceneName::Home => Self::Home,
             SceneName::Office => Self::Office,
+            SceneName::Crowded => Self::Crowded,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! A map that is continued: what is seen has a frame of its own until its place in the saved map is recognised.
 
 use super::{
-    Constellation, ExpectedPlace, Landmark, MapObject, NotRelocalised, ObjectId, ObjectMap,
-    RelocalisationSettings, Relocalised, SavedMap,
+    Constellation, ExpectedPlace, Landmark, MapObject, NotRelocalised, ObjectChange, ObjectId,
+    ObjectMap, RelocalisationSettings, Relocalised, SavedMap,
 };
 use crate::geometry::Pose;
 use nalgebra::{Matrix4, Vector4};
@@ -46,7 +46,11 @@ impl Continuation {
 
     /// Looks whether the place can be recognised by now; if so, `map` has become a part of the saved one, in whose frame
     /// it is from now on. Objects that are in both have the saved identity.
-    pub fn attempt(&mut self, map: &mut ObjectMap, is_last: bool) -> Option<Relocalised> {
+    pub fn attempt(
+        &mut self,
+        map: &mut ObjectMap,
+        is_last: bool,
+    ) -> Option<(Relocalised, Vec<ObjectChange>)> {
         if let Some(start) = self.start.take().filter(|_| map.keyframes() > 0) {
             let map_from_seen = start * map.first_pose().inverse();
             map.move_map(&map_from_seen);
@@ -64,7 +68,8 @@ impl Continuation {
             Ok(found) => {
                 let same = found.matches.iter().map(|(s, k)| (ids[*s], self.saved.objects[*k].id));
                 let same: Vec<_> = same.map(|(seen, known)| (seen, ObjectId(known))).collect();
-                map.enter(&self.saved, &found.map_from_seen, &same).then_some(found)
+                let changes = map.enter(&self.saved, &found.map_from_seen, &same)?;
+                Some((found, changes))
             }
             Err(why) => {
                 self.latest = why;
@@ -95,13 +100,14 @@ impl ObjectMap {
     }
 
     /// Becomes a part of a saved map: everything moves to its frame, its objects join as priors, and those that are the
-    /// same are merged into the saved ones. Returns whether the graph could be solved; if not, all is as it was.
+    /// same are merged into the saved ones. Returns what was merged; nothing if the graph could not be solved, and then
+    /// all is as it was.
     fn enter(
         &mut self,
         saved: &SavedMap,
         map_from_seen: &Pose,
         same: &[(ObjectId, ObjectId)],
-    ) -> bool {
+    ) -> Option<Vec<ObjectChange>> {
         let known = self.objects.len();
         self.move_map(map_from_seen);
         for object in &saved.objects {
@@ -114,19 +120,22 @@ impl ObjectMap {
             self.graph.discard();
             self.objects.truncate(known);
             self.move_map(&map_from_seen.inverse());
-            return false;
+            return None;
         }
-        for (seen, saved) in same {
+        let mut changes = Vec::new();
+        for (gone, kept) in same.iter().copied() {
             // One that cannot be merged stays beside the other, where association may still find it.
-            let _ = self.merge(*saved, *seen);
+            if self.merge(kept, gone).is_ok() {
+                changes.push(ObjectChange::Merged { kept, gone });
+            }
         }
         // Only now: the objects of the saved map hold the poses.
         self.chain.loosen(&mut self.graph);
         // OK because the merged objects determine the poses that the first one's prior determined before.
         let _ = self.graph.optimize(MAX_ITERATIONS, DECREASE);
         self.objects.sort_by_key(|object| object.id);
-        self.refresh(known.min(self.objects.len())..self.objects.len());
-        true
+        self.refresh([].into_iter());
+        Some(changes)
     }
 }
 

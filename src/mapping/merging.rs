@@ -33,7 +33,8 @@ impl ObjectMap {
             self.objects = before;
             return Err(MergeError::Unknown(kept));
         };
-        let absorbed = self.objects[at].absorb(&mut self.graph, other, &self.slam);
+        let absorbed =
+            self.objects[at].absorb(&mut self.graph, other, (&self.settings, &self.slam));
         let solved = absorbed
             .map_err(|why| why.to_string())
             .and_then(|()| self.graph.update().map_err(|why| why.to_string()));
@@ -59,6 +60,33 @@ impl ObjectMap {
         }
         self.refresh([].into_iter());
         Ok(())
+    }
+
+    /// Gives `into` the measurements of `from` that are its own: what was one object turned out to be two. Returns how
+    /// many there were.
+    ///
+    /// # Errors
+    /// When there are no such two objects or the graph cannot be solved; nothing has changed then.
+    pub fn split(&mut self, from: ObjectId, into: ObjectId) -> Result<usize, MergeError> {
+        if from == into {
+            return Err(MergeError::Same(from));
+        }
+        let at = self.position(into).ok_or(MergeError::Unknown(into))?;
+        let before = self.objects.clone();
+        let mut other = self.objects[at].clone();
+        let Some(from_at) = self.position(from) else { return Err(MergeError::Unknown(from)) };
+        let moved = self.objects[from_at].yield_to(&mut self.graph, &mut other, &self.slam);
+        self.objects[at] = other;
+        let solved = moved
+            .map_err(|why| why.to_string())
+            .and_then(|moved| self.graph.update().map(|_| moved).map_err(|why| why.to_string()));
+        if solved.is_err() {
+            self.graph.discard();
+            self.objects = before;
+        } else {
+            self.refresh([at, from_at].into_iter());
+        }
+        solved.map_err(MergeError::Graph)
     }
 
     fn take(&mut self, id: ObjectId) -> Result<MapObject, MergeError> {

@@ -1,8 +1,15 @@
 //! Memory: which measurement belongs to which object, and which factors poses and objects give the graph.
 
+mod assignment;
 mod association;
 mod continuation;
+mod existence;
+mod gate;
+mod index;
 mod initial;
+mod labels;
+mod life;
+mod loop_closing;
 mod merging;
 mod object;
 mod objects;
@@ -13,9 +20,14 @@ mod relocalisation;
 mod saved;
 mod slam_settings;
 mod views;
+mod visibility;
 
-pub use association::{Association, GateSettings};
+pub use association::Association;
 pub use continuation::Continuation;
+pub use existence::{LifeSettings, ObjectState};
+pub use gate::GateSettings;
+pub use labels::LabelSettings;
+pub use life::ObjectChange;
 pub use merging::MergeError;
 pub use object::{MapObject, ObjectId};
 pub use objects::{MappingSettings, ObjectMap, Sighted};
@@ -26,3 +38,4 @@ pub use relocalisation::{
 };
 pub use saved::{SavedMap, SavedObject};
 pub use slam_settings::{BoxOutline, KernelShape, SlamSettings, Weighting};
+pub use visibility::View;

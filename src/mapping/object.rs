@@ -1,7 +1,10 @@
 //! An object of the map.
 
 use super::{
-    BoxOutline, Measured, Observation, SavedObject, SlamSettings, Weighting, views::Views,
+    BoxOutline, MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings,
+    Weighting,
+    existence::Existence,
+    views::{View, Views},
 };
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
@@ -53,8 +56,11 @@ pub struct MapObject {
     covariance: SMatrix<f64, 9, 9>,
     /// Sum of the detector's probabilities by label.
     votes: BTreeMap<String, f64>,
-    /// Probability that all measurements were false.
-    doubt: f64,
+    /// What follows from them.
+    belief: BTreeMap<String, f64>,
+    pub(super) existence: Existence,
+    /// How often it had a box beside one of these others: they are not the same.
+    pub(super) beside: BTreeMap<ObjectId, u32>,
 }
 
 /// A factor that is not counted by its direction.
@@ -118,7 +124,9 @@ impl MapObject {
             ellipsoid: upright(initial),
             covariance: SMatrix::identity(),
             votes: BTreeMap::new(),
-            doubt: 1.0,
+            belief: BTreeMap::new(),
+            existence: Existence::default(),
+            beside: BTreeMap::new(),
         }
     }
 
@@ -155,7 +163,9 @@ impl MapObject {
             ellipsoid: saved.ellipsoid,
             covariance: saved.covariance,
             votes: saved.labels.iter().map(|(label, p)| (label.clone(), p * votes)).collect(),
-            doubt: 1.0 - saved.existence,
+            belief: saved.labels.clone(),
+            existence: Existence::remembered(saved.existence),
+            beside: BTreeMap::new(),
         })
     }
 
@@ -193,9 +203,9 @@ impl MapObject {
     /// The most probable label.
     pub fn label(&self) -> &str {
         let mut best: (&str, f64) = ("", f64::MIN);
-        for (label, votes) in &self.votes {
-            if *votes > best.1 {
-                best = (label, *votes);
+        for (label, probability) in &self.belief {
+            if *probability > best.1 {
+                best = (label, *probability);
             }
         }
         best.0
@@ -203,13 +213,35 @@ impl MapObject {
 
     /// Probability of each label; they sum to one.
     pub fn labels(&self) -> BTreeMap<String, f64> {
-        let total: f64 = self.votes.values().sum();
-        self.votes.iter().map(|(label, votes)| (label.clone(), votes / total)).collect()
+        self.belief.clone()
     }
 
     /// Probability that the object exists.
     pub fn existence(&self) -> f64 {
-        1.0 - self.doubt
+        self.existence.probability()
+    }
+
+    /// Where it is in its life.
+    pub fn state(&self) -> ObjectState {
+        self.existence.state
+    }
+
+    /// Whether it was seen often enough to be an object of the map.
+    pub(super) fn counts(&self) -> bool {
+        self.existence.state != ObjectState::Tentative
+    }
+
+    pub(super) fn belief(&self) -> &BTreeMap<String, f64> {
+        &self.belief
+    }
+
+    pub(super) fn variable(&self) -> EllipsoidId {
+        self.variable
+    }
+
+    /// Its ellipsoid as the graph names its axes.
+    pub(super) fn estimate(&self) -> &Ellipsoid {
+        &self.ellipsoid
     }
 
     /// Quarter turns that put the longer horizontal axis first.
@@ -218,14 +250,22 @@ impl MapObject {
     }
 
     /// Counts an observation.
-    pub(super) fn join(&mut self, stamp: Stamp, observation: &Observation, map_from_base: &Pose) {
+    pub(super) fn join(
+        &mut self,
+        stamp: Stamp,
+        observation: &Observation,
+        map_from_base: &Pose,
+        settings: &MappingSettings,
+    ) {
         self.observations += 1;
         self.last_seen = self.last_seen.max(stamp);
         for (label, probability) in &observation.labels {
             *self.votes.entry(label.clone()).or_default() += probability;
         }
+        self.belief = settings.labels.posterior(&self.votes);
         let Some(measured) = &observation.measured else { return };
-        self.doubt = (self.doubt * (1.0 - 0.5 * measured.probability)).max(MIN_DOUBT);
+        let eye = map_from_base.translation.vector.into();
+        self.existence.measured(measured.probability, &eye, &settings.life);
         if let Some(height) = support_height(measured, map_from_base) {
             self.support_heights += 1;
             let weight = 1.0 / f64::from(self.support_heights);
@@ -339,10 +379,11 @@ impl MapObject {
         &mut self,
         graph: &mut Graph,
         mut other: Self,
-        settings: &SlamSettings,
+        (mapping, settings): (&MappingSettings, &SlamSettings),
     ) -> Result<(), NoiseError> {
         let place = self.ellipsoid.pose;
-        let views = other.views.take(graph, |_| true);
+        let views: Vec<View> = other.views.all().cloned().collect();
+        other.views.take(graph, &views);
         self.views.join(graph, (self.variable, &place), views, settings)?;
         self.ties.extend(other.ties.into_iter().map(|tie| tie.add(graph, self.variable)));
         graph.remove_variable(other.variable);
@@ -352,7 +393,8 @@ impl MapObject {
         for (label, votes) in other.votes {
             *self.votes.entry(label).or_default() += votes;
         }
-        self.doubt = (self.doubt * other.doubt).max(MIN_DOUBT);
+        self.belief = mapping.labels.posterior(&self.votes);
+        self.existence.absorb(&other.existence);
         self.centers.extend(other.centers);
         self.centers.truncate(MAX_CENTERS);
         let (own, others) = (f64::from(self.support_heights), f64::from(other.support_heights));
@@ -362,6 +404,27 @@ impl MapObject {
         };
         self.support_heights += other.support_heights;
         Ok(())
+    }
+
+    /// Gives up the measurements that are another object's: those that are much nearer to it. Returns how many.
+    pub(super) fn yield_to(
+        &mut self,
+        graph: &mut Graph,
+        other: &mut Self,
+        settings: &SlamSettings,
+    ) -> Result<usize, NoiseError> {
+        let (own, others) = (self.ellipsoid.center(), other.ellipsoid.center());
+        let poses = |view: &View| graph.pose(view.pose);
+        let center = |view: &View| view.factor.measured().transformed(&poses(view)).center();
+        let is_others = |center: Point3<f64>| {
+            nalgebra::distance(&center, &others) < NEARER * nalgebra::distance(&center, &own)
+        };
+        let wrong: Vec<View> = self.views.all().filter(|v| is_others(center(v))).cloned().collect();
+        let count = wrong.len();
+        self.views.take(graph, &wrong);
+        let place = (other.variable, &other.ellipsoid.pose.clone());
+        other.views.join(graph, place, wrong, settings)?;
+        Ok(count)
     }
 
     /// Takes its variable and factors out of the graph.
@@ -411,10 +474,10 @@ fn paper_covariance(ellipsoid: &Ellipsoid, information: f64) -> SMatrix<f64, 9, 
     SMatrix::from_diagonal(&variances)
 }
 
+/// A measurement is another object's if it is so much nearer to it.
+const NEARER: f64 = 0.4;
 /// Measurements that are remembered to judge an object's place by.
 const MAX_CENTERS: usize = 100;
-/// Detectors and depth can always be wrong together.
-const MIN_DOUBT: f64 = 1e-3;
 /// A semi-axis that measurements disagree about must not shrink to nothing (rad, m, 1).
 const NOT_ABSURD: [f64; 9] = [10.0, 10.0, 10.0, 100.0, 100.0, 100.0, 1.0, 1.0, 1.0];
 /// What boxes alone leave open must not become infinite (rad, m, 1).

@@ -1,6 +1,6 @@
 //! The chain of keyframe poses.
 
-use super::SlamSettings;
+use super::{SlamSettings, gate::Step};
 use crate::{
     geometry::{Pose, interpolate},
     graph::{FactorId, Graph, Noise, NoiseError, PoseId, PosePrior, RelativePose, step_covariance},
@@ -72,6 +72,25 @@ impl Chain {
         Ok((pose, Pose::identity()))
     }
 
+    /// The way from the last keyframe to a pose of odometry; nothing before the first one.
+    pub(super) fn step(
+        &self,
+        graph: &Graph,
+        odom_from_base: &Pose,
+        covariance: Option<&[f64; 36]>,
+        settings: &SlamSettings,
+    ) -> Option<Step> {
+        let last = self.keyframes.last()?;
+        let from = (&last.odom_from_base, last.covariance.as_deref());
+        let (noise, _) = step_covariance(from, (odom_from_base, covariance), &settings.motion);
+        Some(Step {
+            pose: Some(last.pose),
+            map_from_pose: graph.pose(last.pose),
+            pose_from_base: last.odom_from_base.inv_mul(odom_from_base),
+            covariance: noise,
+        })
+    }
+
     /// What corrects odometry now. It jumps when the graph learns something; `odom` itself never does (REP 105).
     pub(super) fn map_from_odom(&self, graph: &Graph) -> Pose {
         self.keyframes.last().map_or_else(Pose::identity, |last| correction(graph, last))
@@ -99,6 +118,23 @@ impl Chain {
         self.keyframes.first().map(|first| graph.pose(first.pose))
     }
 
+    /// The last pose.
+    pub(super) fn last(&self) -> Option<PoseId> {
+        self.keyframes.last().map(|last| last.pose)
+    }
+
+    /// The last pose that is not later than a stamp.
+    pub(super) fn at(&self, stamp: Stamp) -> Option<PoseId> {
+        let after = self.keyframes.partition_point(|keyframe| keyframe.stamp <= stamp);
+        after.checked_sub(1).map(|at| self.keyframes[at].pose)
+    }
+
+    /// When there were so many keyframes less than now.
+    pub(super) fn stamp_before(&self, keyframes: usize) -> Option<Stamp> {
+        let at = self.keyframes.len().checked_sub(keyframes + 1)?;
+        Some(self.keyframes[at].stamp)
+    }
+
     /// The map has moved.
     pub(super) fn move_map(&mut self, new_from_old: &Pose) {
         self.moved = new_from_old * self.moved;
@@ -118,6 +154,7 @@ impl Chain {
     /// Forgets all but the first keyframes.
     pub(super) fn truncate(&mut self, count: usize) {
         self.keyframes.truncate(count);
+        self.anchor = self.anchor.filter(|_| count > 0);
     }
 
     pub(super) fn len(&self) -> usize {

@@ -59,19 +59,17 @@ impl Views {
         Ok(())
     }
 
-    /// Takes out the views that are another object's, with their factors.
-    pub(super) fn take(
-        &mut self,
-        graph: &mut Graph,
-        is_others: impl Fn(&View) -> bool,
-    ) -> Vec<View> {
-        let mut taken = Vec::new();
+    /// All of them, by direction.
+    pub(super) fn all(&self) -> impl Iterator<Item = &View> {
+        self.sectors.values().flatten()
+    }
+
+    /// Takes some out, with their factors.
+    pub(super) fn take(&mut self, graph: &mut Graph, views: &[View]) {
+        views.iter().for_each(|view| graph.remove_factor(view.in_graph));
         for sector in self.sectors.values_mut() {
-            taken.extend(sector.extract_if(.., |view| is_others(view)));
+            sector.retain(|view| views.iter().all(|taken| taken.in_graph != view.in_graph));
         }
-        self.sectors.retain(|_, sector| !sector.is_empty());
-        taken.iter().for_each(|view| graph.remove_factor(view.in_graph));
-        taken
     }
 
     /// Adds the views that another object had.
@@ -86,11 +84,6 @@ impl Views {
             self.add(graph, map_from_object, (pose, factor.of(variable)), settings)?;
         }
         Ok(())
-    }
-
-    /// Directions from which it was measured.
-    pub(super) fn directions(&self) -> usize {
-        self.sectors.len()
     }
 }
 

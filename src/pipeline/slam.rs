@@ -8,8 +8,8 @@ use crate::{
     geometry::{Camera, Pose, Rect},
     graph::BoxSide,
     mapping::{
-        Continuation, MapObject, Measured, ObjectId, ObjectMap, Observation, ObservedBox,
-        Relocalised, SavedMap, Sighting, SlamSettings,
+        Continuation, MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation,
+        ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View,
     },
     perception::{
         DepthImage, Detection, EllipsoidMeasurement, Frame, Rays, Refused, Stage, StageObserver,
@@ -26,6 +26,8 @@ pub struct Update {
     pub poses: Vec<FramePose>,
     /// Images whose boxes were worked on.
     pub keyframes: Vec<Keyframe>,
+    /// What happened to objects of the map, in order.
+    pub changes: Vec<ObjectChange>,
     /// Messages that could not be used.
     pub dropped: Vec<Dropped>,
     /// The place in the saved map was recognised: from now on poses and objects are in its frame.
@@ -85,7 +87,7 @@ impl ObjectSlam {
     /// An empty map.
     pub fn new(settings: Settings) -> Self {
         let sync = Sync::new(settings.sync.clone());
-        let map = ObjectMap::new(settings.mapping, settings.slam);
+        let map = ObjectMap::new(settings.mapping.clone(), settings.slam);
         Self { settings, sync, map, waiting: None, color_rays: None, depth_rays: None }
     }
 
@@ -143,7 +145,7 @@ impl ObjectSlam {
         while let Some(mut moment) = self.sync.next(last, &mut update.dropped) {
             let (stamp, odom_from_base) = (moment.depth.stamp, moment.odom_from_base);
             if let Some(detections) = moment.detections.take() {
-                let keyframe = self.keyframe(moment, detections, &mut update.dropped, observer);
+                let keyframe = self.keyframe(moment, detections, update, observer);
                 observer.enter(None);
                 match keyframe {
                     Ok(keyframe) => update.keyframes.push(keyframe),
@@ -160,12 +162,16 @@ impl ObjectSlam {
         }
     }
 
-    /// Looks whether the saved map can be entered by now.
+    /// Looks whether the saved map can be entered, or a loop closed, by now.
     fn relocalise(&mut self, is_last: bool, update: &mut Update) {
-        let Some(waiting) = &mut self.waiting else { return };
-        if let Some(found) = waiting.attempt(&mut self.map, is_last) {
+        let Some(waiting) = &mut self.waiting else {
+            update.changes.extend(self.map.close_loop(&self.settings.relocalisation));
+            return;
+        };
+        if let Some((found, changes)) = waiting.attempt(&mut self.map, is_last) {
             self.waiting = None;
             update.relocalised = Some(found);
+            update.changes.extend(changes);
         }
     }
 
@@ -174,7 +180,7 @@ impl ObjectSlam {
         &mut self,
         moment: Moment,
         detections: Vec<Detection>,
-        dropped: &mut Vec<Dropped>,
+        update: &mut Update,
         observer: &mut dyn StageObserver,
     ) -> Result<Keyframe, Dropped> {
         let stamp = moment.depth.stamp;
@@ -193,6 +199,7 @@ impl ObjectSlam {
             labels: detection.hypotheses().to_vec(),
             track: detection.track,
             outline: self.settings.perception.classes.prior(detection.label()).outline,
+            rect: Some(detection.rect),
             sides: observed_box(detection, camera, &moment.base_from_camera, &self.settings.slam),
             measured: found.as_ref().ok().map(|m| in_base(m, &moment.base_from_camera)),
         });
@@ -201,8 +208,16 @@ impl ObjectSlam {
             odom_from_base: moment.odom_from_base,
             odometry_covariance: moment.odometry_covariance,
             observations: seen.collect(),
+            view: Some(View {
+                base_from_camera: moment.base_from_camera,
+                camera,
+                depth: &depth,
+                noise: self.settings.depth_noise,
+                max_range_m: self.settings.perception.segmentation.max_range_m,
+            }),
         });
-        dropped.extend(sighted.refused.map(|why| Dropped { stamp, reason: "graph", why }));
+        update.changes.extend(sighted.changes);
+        update.dropped.extend(sighted.refused.map(|why| Dropped { stamp, reason: "graph", why }));
         let map_from_camera = self.map.map_from_odom() * odom_from_camera;
         let boxes = detections
             .into_iter()

@@ -1,6 +1,7 @@
 //! A scene: objects with their true boxes, and the building around them.
 
 use super::{
+    crowded_scene::crowded_scene,
     desk_scene::desk_scene,
     desk_things::Model,
     home_scene::home_scene,
@@ -147,6 +148,7 @@ impl Scene {
             SceneKind::Desk => desk_scene(&mut random),
             SceneKind::Home => home_scene(&mut random),
             SceneKind::Office => office_scene(&mut random),
+            SceneKind::Crowded => crowded_scene(&mut random),
         }
     }
 

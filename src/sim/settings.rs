@@ -13,6 +13,8 @@ pub enum SceneKind {
     Home,
     /// Two rooms with desks and a corridor.
     Office,
+    /// A room of things that look alike: chairs round a table, books in a row, two monitors side by side.
+    Crowded,
 }
 
 /// How the camera moves.

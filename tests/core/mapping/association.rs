@@ -148,6 +148,7 @@ fn a_sighting_that_cannot_be_is_refused_and_nothing_is_lost() {
         odom_from_base: Pose::translation(0.5, 0.0, 0.0),
         odometry_covariance: None,
         observations: vec![chair(2.0, 0.0), exact],
+        view: None,
     });
     assert!(sighted.refused.unwrap().contains("positive definite"));
     assert_eq!(sighted.objects, [None, None]);

@@ -69,6 +69,7 @@ fn drive(seed: u64, wrong: f64, slam: SlamSettings) -> Drive {
             odom_from_base: odom,
             odometry_covariance: None,
             observations,
+            view: None,
         });
         assert_eq!(sighted.refused, None);
         steps.push((truth, odom, map.keyframes()));
