@@ -67,8 +67,8 @@ impl SavedObject {
     /// The errors of a map's objects have parts in common, which are not in the file. Between objects this makes
     /// distances better than two covariances say, not worse, as what is common cancels. What measurements of one object
     /// have in common does not: a later run sees it from elsewhere. So no part is believed to be better than a floor.
-    /// With it the squared errors of distances in simulated homes are 1.3 times what the covariances say, and 2.6 times
-    /// without.
+    /// With it the median of the normalised squared error of distances in simulated homes is 0.30, and 0.57 without,
+    /// where 0.45 is right.
     pub(super) fn reliable_covariance(&self) -> SMatrix<f64, 9, 9> {
         let mut covariance = self.covariance;
         for (i, sigma) in FLOORS.iter().enumerate() {

@@ -4,6 +4,7 @@ mod association;
 mod drift;
 mod fusion;
 mod merging;
+mod queries;
 mod relocalisation;
 
 use ellipsoid_slam::{

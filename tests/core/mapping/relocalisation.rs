@@ -3,7 +3,9 @@
 use crate::geometry::upright_pose;
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Pose, yaw_of},
-    mapping::{Constellation, Landmark, NotRelocalised, RelocalisationSettings, Relocalised},
+    mapping::{
+        Constellation, ExpectedPlace, Landmark, NotRelocalised, RelocalisationSettings, Relocalised,
+    },
 };
 use nalgebra::{SMatrix, SVector, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -209,4 +211,62 @@ fn the_right_place_is_found_and_never_a_wrong_one() {
     println!("with two equal answers: {twice:?}");
     assert_eq!([same.wrong, mirror.wrong, other.wrong, twice.wrong], [0; 4]);
     assert!(same.right >= 380, "{same:?}");
+}
+
+#[test]
+fn two_objects_are_too_few() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let things = home(&mut rng);
+    let map = map_of(&things, &mut rng);
+    let why = located(&map, &map[..2]).unwrap_err();
+    assert_eq!(why, NotRelocalised::TooFewObjects { seen: 2, needed: 3 });
+    let none = located(&[], &map[..6]).unwrap_err();
+    assert_eq!(none, NotRelocalised::NoMatch { matched: 0, seen: 6 });
+}
+
+#[test]
+fn a_place_that_is_expected_settles_what_would_be_ambiguous() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let things = home(&mut rng);
+    let map = map_of(&doubled(&things), &mut rng);
+    let (seen, truth) = seen_in(&things, 8, &mut rng);
+    let why = located(&map, &seen).unwrap_err();
+    assert!(matches!(why, NotRelocalised::Ambiguous { .. }), "{why}");
+    let covariance = nalgebra::Matrix4::from_diagonal(&nalgebra::Vector4::new(0.04, 0.1, 0.1, 0.1));
+    let expected = ExpectedPlace { pose: truth, covariance };
+    let constellation = Constellation::new(&map, RelocalisationSettings::default());
+    let found = constellation.locate(&seen, Some(&expected)).unwrap();
+    assert!(is_right(&found, &seen, &truth));
+}
+
+#[test]
+fn a_place_among_a_thousand_objects_is_found_in_time() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut things: Vec<Thing> = Vec::new();
+    let mut homes = 0;
+    while things.len() < 1000 {
+        let aside =
+            Pose::translation(14.0 * f64::from(homes % 8), 10.0 * f64::from(homes / 8), 0.0);
+        things.extend(home(&mut rng).into_iter().map(|(l, e)| (l, e.transformed(&aside))));
+        homes += 1;
+    }
+    let map = map_of(&things, &mut rng);
+    let (mut right, mut slowest) = (0, 0.0_f64);
+    for _ in 0..5 {
+        let (seen, truth) = seen_in(&things, 15, &mut rng);
+        let start = std::time::Instant::now();
+        let found = located(&map, &seen);
+        slowest = slowest.max(start.elapsed().as_secs_f64());
+        match found {
+            Ok(found) => {
+                assert!(is_right(&found, &seen, &truth));
+                right += 1;
+            }
+            Err(why) => println!("{why}"),
+        }
+    }
+    println!("{right} of 5 places among {} objects, at most {slowest:.3} s each", things.len());
+    assert!(right >= 4, "{right}");
+    // Measured: a small part of it; the machine may be busy.
+    assert!(slowest < 5.0, "{slowest} s");
 }
