@@ -97,7 +97,7 @@ fn a_second_visit_at_an_unknown_start_continues_the_map() {
     assert!(worst < 0.35, "{worst} m");
 
     // In the saved map's frame, which is the true one: odometry's start is metres and a quarter turn away from it.
-    let poses = |path: &Path| read_trajectory(&fs::read_to_string(path).unwrap()).unwrap();
+    let poses = |path: &Path| read_trajectory(path).unwrap();
     let (found, truth) =
         (poses(&second.join("trajectory.tum")), poses(&bag.with_extension("gt.tum")));
     assert!(truth[0].1.translation.vector.norm() > 1.0 && yaw_of(&truth[0].1).abs() > 1.0);
