@@ -3,6 +3,7 @@
 mod association;
 mod drift;
 mod fusion;
+mod life;
 mod merging;
 
 use ellipsoid_slam::{
