@@ -1,14 +1,14 @@
 //! Which object a measurement belongs to.
 
 use super::{
-    MapObject, MappingSettings, Observation, View,
+    MapObject, MappingSettings, Measured, Observation, View,
     assignment::{Costs, assign, rival},
     gate::{Candidate, Step, overlap},
     index::ObjectIndex,
     visibility::Prospect,
 };
 use crate::{
-    geometry::Pose,
+    geometry::{Ellipsoid, Pose},
     graph::{Graph, PoseId},
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -39,6 +39,8 @@ pub(super) struct Associated {
     pub(super) decisions: Vec<Decision>,
     /// Objects that some box may show: nobody can say that they were missed.
     pub(super) shown: BTreeSet<usize>,
+    /// Objects in which a second box was.
+    pub(super) crowded: Vec<usize>,
     /// How the objects before the camera should look.
     pub(super) prospects: BTreeMap<usize, Prospect>,
 }
@@ -46,7 +48,7 @@ pub(super) struct Associated {
 impl Associated {
     /// Decisions that were made elsewhere.
     pub(super) fn given(decisions: Vec<Decision>) -> Self {
-        Self { decisions, shown: BTreeSet::new(), prospects: BTreeMap::new() }
+        Self { decisions, shown: BTreeSet::new(), crowded: Vec::new(), prospects: BTreeMap::new() }
     }
 }
 
@@ -67,58 +69,78 @@ impl Evidence<'_> {
     pub(super) fn associate(&self, observations: &[Observation]) -> Associated {
         let index = ObjectIndex::new(self.objects);
         let prospects = self.prospects(&index);
-        let echoes = self.echoes(observations);
-        let fits: Vec<Fits> = (observations.iter().zip(&echoes))
-            .map(|(observation, echo)| match echo {
-                None => self.fits(observation, &index, &prospects),
-                Some(_) => Fits::default(),
+        let doubtful = self.doubtful(observations);
+        let fits: Vec<Fits> = (observations.iter().zip(&doubtful))
+            .map(|(observation, is_doubtful)| match &observation.measured {
+                Some(measured) if !is_doubtful => {
+                    self.fits(observation, measured, &index, &prospects)
+                }
+                _ => Fits::default(),
             })
             .collect();
         let costs: Costs = fits.iter().map(|fits| fits.costs.clone()).collect();
-        let alone = self.settings.gate.new_object_cost;
-        let assigned = assign(&costs, alone);
-        let mut associated =
-            Associated { decisions: Vec::new(), shown: BTreeSet::new(), prospects };
-        for at in 0..observations.len() {
+        let assigned = assign(&costs, self.settings.gate.new_object_cost);
+        let mut associated = Associated {
+            decisions: Vec::new(),
+            shown: BTreeSet::new(),
+            crowded: Vec::new(),
+            prospects,
+        };
+        for (at, observation) in observations.iter().enumerate() {
+            let is_usable = observation.measured.is_some() && !doubtful[at];
             let decision = match assigned[at] {
-                Some(object) => self.clear(&costs, &assigned, at, object, &mut associated.shown),
-                None => new_or_wait(&fits[at], &assigned, &mut associated.shown),
+                _ if !is_usable => Decision::Wait,
+                Some(object) => self.clear((&costs, &fits), &assigned, (at, object)),
+                None => self.new_or_wait(&fits[at], &assigned, &mut associated.crowded),
             };
-            associated.decisions.push(match observations[at].measured {
-                Some(_) => decision,
-                None => Decision::Wait,
-            });
-        }
-        // The second box round a thing is what the first one is.
-        for (at, echo) in echoes.iter().enumerate() {
-            if echo.is_some() {
-                associated.decisions[at] = Decision::Wait;
-            }
+            associated
+                .shown
+                .extend(fits[at].explaining.keys().filter(|_| decision == Decision::Wait));
+            associated.decisions.push(decision);
         }
         associated.shown.extend(assigned.iter().copied().flatten());
         self.boxes_alone(observations, &mut associated);
         associated
     }
 
-    /// The assigned object, if no other one would do as well. Objects that overlap are no alternatives: they will be
-    /// merged.
+    /// The assigned object, if no other one would do as well, and the box does not say that it is another one: of
+    /// things that stand behind each other, the points of the nearer fill the box of the farther. Objects that overlap
+    /// are no alternatives: they will be merged.
     fn clear(
         &self,
-        costs: &Costs,
+        (costs, fits): (&Costs, &[Fits]),
         assigned: &[Option<usize>],
-        at: usize,
-        object: usize,
-        shown: &mut BTreeSet<usize>,
+        (at, object): (usize, usize),
     ) -> Decision {
         let gate = &self.settings.gate;
+        let in_image = &fits[at].in_image;
+        let share = in_image.get(&object).copied().unwrap_or(1.0);
+        let is_better = |other: &&usize| in_image[other] > share + BETTER_OVERLAP;
+        let by_box = in_image.keys().find(is_better).copied();
         let limits = (gate.new_object_cost, gate.ambiguity);
-        match rival(costs, assigned, at, limits) {
-            Some(other) if !self.are_in_one_place(object, other) => {
-                shown.insert(other);
-                Decision::Wait
-            }
+        let other = by_box.or_else(|| rival(costs, assigned, at, limits));
+        match other {
+            Some(other) if !self.are_in_one_place(object, other) => Decision::Wait,
             _ => Decision::Object(object),
         }
+    }
+
+    /// What fits no object is new, unless there is an object in its place. One that another box of this image shows is
+    /// none, but for where they overlap much: then one of the two is wrong, and it takes several images to believe that
+    /// one object is two.
+    fn new_or_wait(
+        &self,
+        fits: &Fits,
+        assigned: &[Option<usize>],
+        crowded: &mut Vec<usize>,
+    ) -> Decision {
+        let is_taken = |object: &usize| assigned.contains(&Some(*object));
+        let taken = fits.explaining.iter().find(|(o, share)| is_taken(o) && **share > SAME_PLACE);
+        crowded.extend(taken.map(|(object, _)| *object));
+        let may_be_two = |object: &usize| self.objects[*object].crowded >= BELIEVED_TWO;
+        let is_waiting = taken.is_some_and(|(object, _)| !may_be_two(object))
+            || fits.explaining.keys().any(|object| !is_taken(object));
+        if is_waiting { Decision::Wait } else { Decision::New }
     }
 
     fn are_in_one_place(&self, a: usize, b: usize) -> bool {
@@ -140,35 +162,46 @@ impl Evidence<'_> {
         before.into_iter().filter_map(|at| Some((at, prospect(at)?))).collect()
     }
 
-    /// For each box another one of the same thing, if there is one: detectors that are not sure of a class give two.
-    fn echoes(&self, observations: &[Observation]) -> Vec<Option<usize>> {
-        let is_echo = |at: usize, other: usize| {
-            let (echo, first) = (&observations[at], &observations[other]);
-            let (Some(echo_rect), Some(first_rect)) = (&echo.rect, &first.rect) else {
+    /// Boxes that say nothing new: of two in one place, the one that fits its own measurement worse. Detectors that are
+    /// not sure of a class give a thing two boxes, and what is mostly hidden is measured by the points of what hides it.
+    fn doubtful(&self, observations: &[Observation]) -> Vec<bool> {
+        let Some(view) = self.view else { return vec![false; observations.len()] };
+        let bodies: Vec<Option<(Ellipsoid, f64)>> = observations
+            .iter()
+            .map(|observation| {
+                let body = observation.measured.as_ref()?.ellipsoid.transformed(self.map_from_base);
+                let own = Prospect::new(view, self.map_from_base, &body, observation.outline);
+                let share =
+                    own.zip(observation.rect).map_or(0.0, |(own, rect)| own.rect.overlap(&rect));
+                Some((body, share))
+            })
+            .collect();
+        let labels = &self.settings.labels;
+        let belief = |o: &Observation| labels.posterior(&o.labels.iter().cloned().collect());
+        let yields = |at: usize, other: usize| {
+            let (Some((body, share)), Some((first, best))) = (&bodies[at], &bodies[other]) else {
                 return false;
             };
-            let by_label = |o: &Observation| (o.labels[0].1, o.measured.is_some());
-            let is_weaker = (by_label(echo).1, by_label(echo).0, other)
-                < (by_label(first).1, by_label(first).0, at);
-            is_weaker
-                && echo.labels[0].0 != first.labels[0].0
-                && echo_rect.overlap(first_rect) > ECHO_OVERLAP
+            (*share, other) < (*best, at)
+                && (body.center() - first.center()).norm()
+                    < body.semi_axes.norm() + first.semi_axes.norm()
+                && overlap(body, first).0 > SAME_PLACE
+                && labels
+                    .is_alike(labels.cost(&observations[at].labels, &belief(&observations[other])))
         };
         let all = 0..observations.len();
-        all.clone()
-            .map(|at| all.clone().find(|other| *other != at && is_echo(at, *other)))
-            .collect()
+        all.clone().map(|at| all.clone().any(|other| other != at && yields(at, other))).collect()
     }
 
     /// What it costs an observation to be each of the objects near it.
     fn fits(
         &self,
         observation: &Observation,
+        measured: &Measured,
         index: &ObjectIndex,
         prospects: &BTreeMap<usize, Prospect>,
     ) -> Fits {
-        let mut fits = Fits::default();
-        let Some(measured) = &observation.measured else { return fits };
+        let mut fits = Fits { in_image: self.in_image(observation, prospects), ..Fits::default() };
         let in_map = measured.ellipsoid.transformed(self.map_from_base);
         let gate = &self.settings.gate;
         for at in index.near(&in_map, REACH_M) {
@@ -185,16 +218,32 @@ impl Evidence<'_> {
             let (of_smaller, _) = overlap(&in_map, object.estimate());
             // Single frames are wrong by more than they say now and then: what stands in the same place and looks the
             // same is the same, however unlikely.
-            let most = if of_smaller > SAME_PLACE { WORST_COST } else { f64::MAX };
+            let is_there = of_smaller > SAME_PLACE || image.is_some_and(|share| share > SAME_BOX);
+            let most = if is_there { WORST_COST } else { f64::MAX };
             let shy = if object.counts() { 0.0 } else { TENTATIVE_COST };
             fits.costs.insert(at, apart.min(most) + box_cost + called + shy);
             let is_there = of_smaller > TOUCHING
                 || image.is_some_and(|share| share > gate.min_box_overlap && of_smaller > 0.0);
             if is_there && self.settings.labels.is_alike(called) {
-                fits.explaining.push(at);
+                fits.explaining.insert(at, of_smaller);
             }
         }
         fits
+    }
+
+    /// How much of the boxes of objects that may be called so a box overlaps.
+    fn in_image(
+        &self,
+        observation: &Observation,
+        prospects: &BTreeMap<usize, Prospect>,
+    ) -> BTreeMap<usize, f64> {
+        let Some(rect) = &observation.rect else { return BTreeMap::new() };
+        let labels = &self.settings.labels;
+        let is_alike = |at: &usize| {
+            labels.is_alike(labels.cost(&observation.labels, self.objects[*at].belief()))
+        };
+        let shares = prospects.iter().filter(|(at, _)| is_alike(at));
+        shares.map(|(at, prospect)| (*at, rect.overlap(&prospect.rect))).collect()
     }
 
     /// Boxes without a measurement: what they show is there, and no more.
@@ -203,16 +252,10 @@ impl Evidence<'_> {
             if associated.decisions[at] != Decision::Wait {
                 continue;
             }
-            let Some(rect) = &observation.rect else { continue };
-            for (object, prospect) in &associated.prospects {
-                let called =
-                    self.settings.labels.cost(&observation.labels, self.objects[*object].belief());
-                if rect.overlap(&prospect.rect) > self.settings.gate.min_box_overlap
-                    && self.settings.labels.is_alike(called)
-                {
-                    associated.shown.insert(*object);
-                }
-            }
+            let shares = self.in_image(observation, &associated.prospects);
+            let least = self.settings.gate.min_box_overlap;
+            let shown = shares.into_iter().filter(|(_, share)| *share > least);
+            associated.shown.extend(shown.map(|(object, _)| object));
         }
     }
 }
@@ -221,20 +264,10 @@ impl Evidence<'_> {
 #[derive(Default)]
 struct Fits {
     costs: BTreeMap<usize, f64>,
-    /// Objects that are where it is and may be called so, whatever the gate says.
-    explaining: Vec<usize>,
-}
-
-/// What fits no object is new, unless there is an object in its place that no other box shows.
-fn new_or_wait(fits: &Fits, assigned: &[Option<usize>], shown: &mut BTreeSet<usize>) -> Decision {
-    let is_free = |object: &&usize| !assigned.contains(&Some(**object));
-    match fits.explaining.iter().find(is_free) {
-        Some(object) => {
-            shown.insert(*object);
-            Decision::Wait
-        }
-        None => Decision::New,
-    }
+    /// Objects that are where it is and may be called so, whatever the gate says, and how much of the smaller is common.
+    explaining: BTreeMap<usize, f64>,
+    /// How much its box overlaps those of objects that may be called so.
+    in_image: BTreeMap<usize, f64>,
 }
 
 /// Bodies of one thing in two frames are never farther apart (m): what the gate is asked about.
@@ -249,5 +282,9 @@ const NO_BOX_COST: f64 = 2.0;
 const LEAST_OVERLAP: f64 = 0.02;
 /// Of two that fit alike, the one that counts.
 const TENTATIVE_COST: f64 = 0.5;
-/// Boxes of different labels that overlap by so much are one thing.
-const ECHO_OVERLAP: f64 = 0.75;
+/// A box that overlaps an object's by so much may show it, wherever the points in it are.
+const SAME_BOX: f64 = 0.6;
+/// The box says that it is another object where it overlaps that one's by so much more.
+const BETTER_OVERLAP: f64 = 0.2;
+/// Images with a second box in an object before that is believed.
+const BELIEVED_TWO: u32 = 3;

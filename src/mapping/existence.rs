@@ -121,11 +121,12 @@ impl Existence {
             return;
         }
         self.missed += 1.0;
-        // The detector may be worse at this object than at others.
+        // The detector may be worse at this object than at others; of what does not count yet that is not known.
+        let counts = self.state != ObjectState::Tentative;
         let known = (self.found + PRIOR_FOUND) / (self.found + self.missed + PRIOR_SEEN);
-        let chance = life.detection_probability.min(known);
+        let chance = life.detection_probability.min(if counts { known } else { 1.0 });
         let change = ((1.0 - chance) / (1.0 - life.false_detection_probability)).ln();
-        let stands = self.state != ObjectState::Tentative && filled > STANDS * usual;
+        let stands = counts && filled > STANDS * usual;
         self.add(change * if stands { STANDING_SHARE } else { 1.0 });
     }
 

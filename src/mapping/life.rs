@@ -58,6 +58,7 @@ impl ObjectMap {
         seen.sort_unstable();
         seen.dedup();
         self.count_neighbours(&seen);
+        associated.crowded.iter().for_each(|at| self.objects[*at].crowded += 1);
         self.weigh(associated, &seen, is_new_view);
         let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
         let mut changes = Vec::new();

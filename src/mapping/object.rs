@@ -61,6 +61,8 @@ pub struct MapObject {
     pub(super) existence: Existence,
     /// How often it had a box beside one of these others: they are not the same.
     pub(super) beside: BTreeMap<ObjectId, u32>,
+    /// In how many images a second box was in its place.
+    pub(super) crowded: u32,
 }
 
 /// A factor that is not counted by its direction.
@@ -127,6 +129,7 @@ impl MapObject {
             belief: BTreeMap::new(),
             existence: Existence::default(),
             beside: BTreeMap::new(),
+            crowded: 0,
         }
     }
 

@@ -181,6 +181,23 @@ impl ObjectMap {
         evidence.associate(&sighting.observations)
     }
 
+    /// Which objects the boxes of a sighting show, without joining them: nothing where that is not clear, or where one
+    /// shows something new.
+    pub fn recognise(&self, sighting: &Sighting<'_>) -> Vec<Option<ObjectId>> {
+        let covariance = sighting.odometry_covariance.as_deref();
+        let step = self.chain.step(&self.graph, &sighting.odom_from_base, covariance, &self.slam);
+        let Some((pose, step)) = step.and_then(|step| Some((step.pose?, step))) else {
+            return vec![None; sighting.observations.len()];
+        };
+        let map_from_base = step.map_from_pose * step.pose_from_base;
+        let associated = self.associated(sighting, Some(step), (pose, &map_from_base));
+        let known = |decision| match decision {
+            Decision::Object(at) => Some(self.objects[at].id),
+            Decision::New | Decision::Wait => None,
+        };
+        associated.decisions.into_iter().map(known).collect()
+    }
+
     /// The object of the same given identity.
     fn tracked(&self, observation: &Observation) -> Option<usize> {
         let track =

@@ -24,7 +24,7 @@ pub struct View<'a> {
 /// An object as it should look in an image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prospect {
-    /// Its box, as far as it lies in the image (px).
+    /// The box round what is not hidden, as far as it lies in the image (px).
     pub(super) rect: Rect,
     /// Whether so much of it is in the image, near and large enough that a detector should see it.
     is_in_view: bool,
@@ -72,6 +72,7 @@ impl Prospect {
     /// Follows a grid of rays through the body.
     fn look(&mut self, view: &View<'_>, body: &Ellipsoid, outline: Outline) {
         let (mut hidden, mut free) = (0_usize, 0_usize);
+        let mut visible: Option<[usize; 4]> = None;
         let step = |extent: f64, at: usize| extent * (at as f64 + 0.5) / RAYS as f64;
         for (i, j) in (0..RAYS).flat_map(|i| (0..RAYS).map(move |j| (i, j))) {
             let u = (self.rect.x_min + step(self.rect.width(), i)).round();
@@ -82,11 +83,32 @@ impl Prospect {
             let Some(depth) = view.depth.at(u as i32, v as i32).map(f64::from) else { continue };
             let tolerance = TOLERANCE_M + 3.0 * view.noise.sigma_m(depth);
             self.readings += 1;
-            hidden += usize::from(depth < near - tolerance);
             free += usize::from(depth > far + tolerance);
+            if depth < near - tolerance {
+                hidden += 1;
+            } else {
+                let [left, upper, right, lower] = visible.unwrap_or([i, j, i, j]);
+                visible = Some([left.min(i), upper.min(j), right.max(i), lower.max(j)]);
+            }
         }
+        self.cut(visible.filter(|_| hidden > 0));
         let share = |count: usize| count as f64 / self.readings.max(1) as f64;
         (self.hidden, self.free) = (share(hidden), share(free));
+    }
+
+    /// Leaves of the box only the cells of the grid from the first to the last.
+    fn cut(&mut self, cells: Option<[usize; 4]>) {
+        let Some([left, upper, right, lower]) = cells else { return };
+        let Rect { x_min, y_min, .. } = self.rect;
+        let (width, height) = (self.rect.width() / RAYS as f64, self.rect.height() / RAYS as f64);
+        let at = |start: f64, size: f64, cell: usize| start + size * cell as f64;
+        let cut = Rect::new(
+            at(x_min, width, left),
+            at(y_min, height, upper),
+            at(x_min, width, right + 1),
+            at(y_min, height, lower + 1),
+        );
+        self.rect = cut.unwrap_or(self.rect);
     }
 
     /// Whether a detector should have found it.

@@ -152,6 +152,20 @@ impl Scene {
         }
     }
 
+    /// The same scene with its first chair pushed away from the middle of an orbit by so much (m).
+    pub(super) fn with_moved_chair(&self, by_m: f64) -> Self {
+        let mut scene = self.clone();
+        let center = self.routes.orbit_center.coords;
+        if let Some(chair) = scene.objects.iter_mut().find(|object| object.label == "chair") {
+            let away =
+                (chair.world_from_object.translation.vector - center).xy().normalize() * by_m;
+            let push = Isometry3::translation(away.x, away.y, 0.0);
+            chair.world_from_object = push * chair.world_from_object;
+            chair.mesh = std::mem::take(&mut chair.mesh).transformed(&push);
+        }
+        scene
+    }
+
     /// Puts a model where the layout has made room for it.
     pub(super) fn put(&mut self, model: Model, place: Place) {
         let id = self.objects.len() as u32 + 1;

@@ -43,6 +43,10 @@ pub struct SimulationSettings {
     pub visit: u64,
     /// How many frames; 0 for what suits the trajectory.
     pub frames: usize,
+    /// The frame from which the first chair stands elsewhere; 0 for never.
+    pub moved_from_frame: usize,
+    /// How far it is pushed, away from the middle of an orbit (m).
+    pub moved_by_m: f64,
     /// Frames a second.
     pub frame_rate_hz: f64,
     /// Stamp of the first frame, seconds since the epoch.
@@ -67,6 +71,8 @@ impl Default for SimulationSettings {
             seed: 1,
             visit: 0,
             frames: 0,
+            moved_from_frame: 0,
+            moved_by_m: 0.9,
             frame_rate_hz: 3.0,
             start_time_s: 1_700_000_000.0,
             camera: CameraSettings::default(),
@@ -357,6 +363,7 @@ impl SimulationSettings {
         ];
         let finite = [
             ("start_time_s", self.start_time_s),
+            ("moved_by_m", self.moved_by_m),
             ("mount.robot_pitch_down_rad", self.mount.robot_pitch_down_rad),
             ("depth.grazing_from_rad", depth.grazing_from_rad),
             ("depth.grazing_to_rad", depth.grazing_to_rad),

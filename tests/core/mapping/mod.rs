@@ -3,6 +3,8 @@
 mod association;
 mod drift;
 mod fusion;
+mod life;
+mod loop_closing;
 mod merging;
 mod queries;
 mod relocalisation;
