@@ -168,6 +168,7 @@ impl MapObject {
             votes: saved.labels.iter().map(|(label, p)| (label.clone(), p * votes)).collect(),
             belief: saved.labels.clone(),
             existence: Existence::remembered(saved.existence),
+            crowded: 0,
             beside: BTreeMap::new(),
         })
     }
