@@ -140,6 +140,7 @@ fn a_file_of_four_gigabytes_is_not_read_to_its_end() {
 }
 
 #[test]
+#[expect(clippy::disallowed_methods, reason = "the time is what is measured")]
 fn ten_thousand_objects_are_loaded_in_a_second() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.json");

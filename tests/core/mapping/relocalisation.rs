@@ -112,6 +112,7 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
 }
 
+#[expect(clippy::result_large_err, reason = "a reason is what is looked at")]
 fn located(map: &[Landmark], seen: &[Landmark]) -> Result<Relocalised, NotRelocalised> {
     Constellation::new(map, RelocalisationSettings::default()).locate(seen, None)
 }
@@ -240,6 +241,7 @@ fn a_place_that_is_expected_settles_what_would_be_ambiguous() {
 }
 
 #[test]
+#[expect(clippy::disallowed_methods, reason = "the time is what is measured")]
 fn a_place_among_a_thousand_objects_is_found_in_time() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let mut things: Vec<Thing> = Vec::new();
