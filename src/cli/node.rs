@@ -3,7 +3,8 @@
 use super::{Failure, Outcome};
 use crate::{
     config::{Parameters, RosArguments},
-    io::{map_json, write_atomically},
+    io::save_map,
+    mapping::SavedMap,
     pipeline::ObjectSlam,
     ros::{DdsDomain, run_node},
 };
@@ -43,8 +44,7 @@ pub(super) fn run(args: &Args) -> Outcome {
     }
     let frame = parameters.node.map_frame.clone();
     let save = move |slam: &ObjectSlam, path: &Path| {
-        let text = map_json(slam.objects(), &frame).map_err(|e| e.to_string())?;
-        write_atomically(path, text.as_bytes())
+        save_map(path, &SavedMap::of(slam.objects(), &frame))
             .map_err(|e| format!("cannot write {}: {e}", path.display()))
     };
     run_node(DdsDomain::from_environment()?, &arguments, parameters, Box::new(save))?;
