@@ -70,7 +70,7 @@ enum Tie {
     Box(BoxObservation),
     Support(SupportContact),
     /// With the paper's weights.
-    Measured(EllipsoidObservation),
+    Measured(Box<EllipsoidObservation>),
 }
 
 impl Tie {
@@ -89,7 +89,7 @@ impl Tie {
             Self::Measured(factor) => {
                 let factor = factor.of(variable);
                 graph.add_factor(factor.clone());
-                Self::Measured(factor)
+                Self::Measured(Box::new(factor))
             }
         }
     }
@@ -295,7 +295,7 @@ impl MapObject {
         let factor = factor.with_kernel(settings.robust_kernel());
         if settings.weighting == Weighting::Paper {
             graph.add_factor(factor.clone());
-            self.ties.push(Tie::Measured(factor));
+            self.ties.push(Tie::Measured(Box::new(factor)));
             return Ok(());
         }
         self.begin_anew_if_wrong(graph, &ellipsoid.transformed(&graph.pose(pose)));

@@ -150,7 +150,7 @@ fn a_false_detection_never_counts() {
         assert_eq!(room.map.confirmed().count(), 0);
         room.look(&[], &[thing]);
     }
-    assert_eq!(room.map.all().len(), 0);
+    assert!(room.map.all().iter().all(|object| object.existence() < 0.3));
 }
 
 #[test]
