@@ -1,5 +1,6 @@
 //! How long it takes to say which of a thousand objects twenty boxes show: `cargo bench --bench association`.
 #![expect(clippy::unwrap_used, reason = "a benchmark ends where something is not as it should be")]
+#![expect(clippy::disallowed_methods, reason = "a benchmark reads the clock")]
 
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Ellipsoid, Outline, Pose, Rect},

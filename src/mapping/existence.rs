@@ -121,10 +121,10 @@ impl Existence {
             return;
         }
         self.missed += 1.0;
-        // The detector may be worse at this object than at others; of what does not count yet that is not known.
+        // The detector may be worse at this object than at others.
         let counts = self.state != ObjectState::Tentative;
         let known = (self.found + PRIOR_FOUND) / (self.found + self.missed + PRIOR_SEEN);
-        let chance = life.detection_probability.min(if counts { known } else { 1.0 });
+        let chance = life.detection_probability.min(known);
         let change = ((1.0 - chance) / (1.0 - life.false_detection_probability)).ln();
         let stands = counts && filled > STANDS * usual;
         self.add(change * if stands { STANDING_SHARE } else { 1.0 });
@@ -132,7 +132,8 @@ impl Existence {
 
     /// Takes the state that the evidence makes; whether the object is still there.
     pub(super) fn settle(&mut self, observations: u32, needed: u32, life: &LifeSettings) -> bool {
-        let enough = observations >= needed && (self.views > 1 || observations >= 2 * needed);
+        let enough = observations >= needed
+            && (self.views > 1 || observations >= needed + MORE_FROM_ONE_PLACE);
         let is_sure = self.log_odds >= log_odds(life.confirmed_from);
         self.state = match self.state {
             ObjectState::Tentative if enough && is_sure => ObjectState::Confirmed,
@@ -164,6 +165,8 @@ fn log_odds(probability: f64) -> f64 {
     (probability / (1.0 - probability)).ln()
 }
 
+/// Measurements that are needed besides where all are from one place.
+const MORE_FROM_ONE_PLACE: u32 = 2;
 /// Before anything is known of a first box.
 const PRIOR: f64 = 0.3;
 /// Detectors and depth can always be wrong together; and what was there for days can be carried away.

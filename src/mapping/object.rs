@@ -72,7 +72,7 @@ enum Tie {
     Box(BoxObservation),
     Support(SupportContact),
     /// With the paper's weights.
-    Measured(EllipsoidObservation),
+    Measured(Box<EllipsoidObservation>),
     /// What an earlier run knew.
     Prior(EllipsoidPrior),
 }
@@ -93,7 +93,7 @@ impl Tie {
             Self::Measured(factor) => {
                 let factor = factor.of(variable);
                 graph.add_factor(factor.clone());
-                Self::Measured(factor)
+                Self::Measured(Box::new(factor))
             }
             Self::Prior(factor) => {
                 let factor = factor.of(variable);
@@ -360,7 +360,7 @@ impl MapObject {
         let factor = factor.with_kernel(settings.robust_kernel());
         if settings.weighting == Weighting::Paper {
             graph.add_factor(factor.clone());
-            self.ties.push(Tie::Measured(factor));
+            self.ties.push(Tie::Measured(Box::new(factor)));
             return Ok(None);
         }
         let map_from_keyframe = graph.pose(place.keyframe.pose);

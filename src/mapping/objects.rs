@@ -124,7 +124,7 @@ impl ObjectMap {
         &mut self,
         sighting: &Sighting<'_>,
         before: &mut Vec<(usize, MapObject)>,
-    ) -> Result<(Associated, Vec<Option<usize>>), Box<dyn std::error::Error>> {
+    ) -> Result<Joined, Box<dyn std::error::Error>> {
         let known = self.objects.len();
         let Sighting { stamp, odom_from_base, odometry_covariance, observations, .. } = sighting;
         let covariance = odometry_covariance.as_deref();
@@ -310,6 +310,9 @@ impl ObjectMap {
         &self.objects
     }
 }
+
+/// What was decided about a sighting, and the object of each observation.
+type Joined = (Associated, Vec<Option<usize>>);
 
 /// Identities after merges.
 fn renamed(mut ids: Vec<Option<ObjectId>>, changes: &[ObjectChange]) -> Vec<Option<ObjectId>> {

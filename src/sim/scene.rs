@@ -11,7 +11,7 @@ use super::{
     settings::SceneKind,
 };
 use crate::geometry::{OrientedBox, Pose};
-use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point2, Point3, Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A thing that stands somewhere.
@@ -157,9 +157,9 @@ impl Scene {
         let mut scene = self.clone();
         let center = self.routes.orbit_center.coords;
         if let Some(chair) = scene.objects.iter_mut().find(|object| object.label == "chair") {
-            let away =
-                (chair.world_from_object.translation.vector - center).xy().normalize() * by_m;
-            let push = Isometry3::translation(away.x, away.y, 0.0);
+            let outwards = (chair.world_from_object.translation.vector - center).xy();
+            let outwards = Unit::try_new(outwards, 1e-6).unwrap_or_else(Vector2::x_axis);
+            let push = Isometry3::translation(by_m * outwards.x, by_m * outwards.y, 0.0);
             chair.world_from_object = push * chair.world_from_object;
             chair.mesh = std::mem::take(&mut chair.mesh).transformed(&push);
         }
