@@ -21,6 +21,8 @@ pub(super) fn run(args: &Args) -> Outcome {
     let replay_args = replay::Args {
         bag: args.bag.clone(),
         config: None,
+        map: None,
+        start: None,
         output: Some(args.output.clone()),
         remaps: Vec::new(),
         force: true,

@@ -9,7 +9,8 @@ use crate::{
     eval::{
         EstimatedObject, GroundTruth, ObjectScores, TrajectoryScores, evaluate, evaluate_trajectory,
     },
-    io::{SavedMap, read_map, read_trajectory, write_atomically},
+    io::{read_map, read_trajectory, write_atomically},
+    mapping::SavedMap,
 };
 use anyhow::{Context, ensure};
 use clap::Parser;

@@ -2,11 +2,12 @@
 
 use super::{Failure, Outcome};
 use crate::{
-    config::{LogLevel, Parameters, RosArguments},
-    io::{map_json, write_atomically},
-    pipeline::ObjectSlam,
-    ros::{DdsDomain, run_node},
+    config::{LogLevel, MapFileSettings, Parameters, RosArguments},
+    io::{load_saved_map, save_map},
+    mapping::SavedMap,
+    ros::{DdsDomain, MapFiles, run_node},
 };
+use anyhow::anyhow;
 use clap::Parser;
 use std::{fs, path::Path};
 use tracing::Level;
@@ -58,14 +59,35 @@ pub(super) fn run(args: &Args) -> Outcome {
     for path in without {
         tracing::warn!("{path} has no parameters for {}", arguments.full_name());
     }
-    let frame = parameters.node.map_frame.clone();
-    let save = move |slam: &ObjectSlam, path: &Path| {
-        let text = map_json(slam.objects(), &frame).map_err(|e| e.to_string())?;
-        write_atomically(path, text.as_bytes())
-            .map_err(|e| format!("cannot write {}: {e}", path.display()))
+    let files = MapFiles {
+        at_start: map_at_start(&parameters.node.map)?,
+        load: Box::new(load),
+        save: Box::new(|path, map| {
+            save_map(path, map).map_err(|e| format!("cannot write {}: {e}", path.display()))
+        }),
     };
-    run_node(DdsDomain::from_environment()?, &arguments, parameters, Box::new(save))?;
+    run_node(DdsDomain::from_environment()?, &arguments, parameters, files)?;
     Ok(())
+}
+
+/// A first run has no map yet. A file that is there and no map is not passed over: it would be overwritten at the end.
+fn map_at_start(settings: &MapFileSettings) -> Result<Option<SavedMap>, Failure> {
+    let path = Path::new(&settings.file);
+    if !settings.load_on_start {
+        return Ok(None);
+    }
+    if settings.file.is_empty() {
+        return Err(Failure::Usage("map.load_on_start needs map.file".into()));
+    }
+    if !path.exists() {
+        tracing::warn!("there is no map in {} yet: an empty one is begun", path.display());
+        return Ok(None);
+    }
+    load(path).map(Some).map_err(|why| Failure::Failed(anyhow!(why)))
+}
+
+fn load(path: &Path) -> Result<SavedMap, String> {
+    load_saved_map(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 /// The node's name where no argument gives another.

@@ -7,12 +7,16 @@ use super::{
 };
 use crate::{
     config::{Parameters, parameters_from_yaml},
-    io::{BagInput, Remap, Roles},
+    geometry::{Pose, yaw_of},
+    io::{BagInput, Remap, Roles, load_saved_map},
+    mapping::{Relocalised, SavedMap},
     pipeline::{Dropped, ObjectSlam, Update},
+    time::Stamp,
 };
 use anyhow::{Context, anyhow};
 use clap::Parser;
 use indicatif::ProgressBar;
+use nalgebra::Vector3;
 use serde::Serialize;
 use std::{
     collections::BTreeMap,
@@ -28,6 +32,12 @@ pub(super) struct Args {
     /// A parameter file; `ellipsoid_slam config` prints one.
     #[arg(long, value_name = "FILE")]
     pub(super) config: Option<PathBuf>,
+    /// Continue a saved map: an earlier result's map.json. The file itself is only read.
+    #[arg(long, value_name = "FILE")]
+    pub(super) map: Option<PathBuf>,
+    /// About where the base starts in that map (m, m, deg); without it the place is recognised by its objects.
+    #[arg(long, value_name = "X,Y,YAW", requires = "map", value_parser = start_pose, allow_hyphen_values = true)]
+    pub(super) start: Option<Pose>,
     /// Folder for the results; by default the bag's name with `_result`, here.
     #[arg(long, short, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
@@ -57,10 +67,37 @@ pub(super) struct Summary {
     boxes: usize,
     /// By reason.
     refused_boxes: BTreeMap<&'static str, u64>,
+    /// When and where the place in the saved map was recognised.
+    relocalised: Option<Relocalisation>,
     pub(super) objects: usize,
     keyframe_time: Option<KeyframeTime>,
     seconds: f64,
     peak_memory_mb: Option<f64>,
+}
+
+/// Where the run's own frame is in the saved map.
+#[derive(Clone, Debug, Serialize)]
+struct Relocalisation {
+    stamp: f64,
+    /// How many objects were recognised.
+    objects: usize,
+    /// Of the frame that odometry started in (m).
+    position: [f64; 3],
+    /// Of that frame (deg).
+    yaw_deg: f64,
+    false_probability: f64,
+}
+
+impl Relocalisation {
+    fn new(found: &Relocalised, stamp: Stamp) -> Self {
+        Self {
+            stamp: stamp.as_secs(),
+            objects: found.matches.len(),
+            position: found.map_from_seen.translation.vector.into(),
+            yaw_deg: yaw_of(&found.map_from_seen).to_degrees(),
+            false_probability: found.false_probability,
+        }
+    }
 }
 
 pub(super) fn run(args: &Args) -> Outcome {
@@ -90,12 +127,31 @@ pub(super) fn load_parameters(config: Option<&Path>) -> anyhow::Result<Parameter
     parameters_from_yaml(&text).with_context(|| path.display().to_string())
 }
 
+fn load_map(path: &Path) -> anyhow::Result<SavedMap> {
+    load_saved_map(path).with_context(|| path.display().to_string())
+}
+
+/// A pose on the ground from `X,Y,YAW` (m, m, deg).
+fn start_pose(text: &str) -> Result<Pose, String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match numbers[..] {
+        [x, y, yaw_deg] if [x, y, yaw_deg].iter().all(|v| v.is_finite()) => {
+            Ok(Pose::new(Vector3::new(x, y, 0.0), Vector3::z() * yaw_deg.to_radians()))
+        }
+        _ => Err("expected three numbers X,Y,YAW: metres, metres, degrees".into()),
+    }
+}
+
 /// Replays the bag and writes the results.
 pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let started = now();
     let parameters = load_parameters(args.config.as_deref())?;
     let input = BagInput::open(&args.bag, &args.remaps)?;
-    let mut slam = ObjectSlam::new(parameters.slam.clone());
+    let settings = parameters.slam.clone();
+    let mut slam = match &args.map {
+        Some(path) => ObjectSlam::continuing(settings, load_map(path)?, args.start),
+        None => ObjectSlam::new(settings),
+    };
     let mut run = Run::new(Results::create(folder, &parameters.node)?);
     let progress = ProgressBar::new(input.message_count());
     let mut inputs = input.inputs();
@@ -117,6 +173,14 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
         skipped_messages.entry(topic.to_owned()).or_default().insert(reason, count);
     }
     warnings.extend(run.dropped.values().map(|d| format!("{} x {}", d.count, d.first)));
+    if let (Some(waiting), Some(path)) = (slam.waiting(), &args.map) {
+        warnings.push(format!(
+            "the place in {} was not recognised: {}; map.json is that map as it was, and what was seen is in \
+             local_map.json, in a frame of its own like the trajectory",
+            path.display(),
+            waiting.why()
+        ));
+    }
     if run.keyframes == 0 {
         return Err(nothing_to_work_on(&args.bag, &run, &warnings).into());
     }
@@ -130,6 +194,7 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
         dropped: run.dropped.iter().map(|(reason, d)| (*reason, d.count)).collect(),
         boxes: run.boxes,
         refused_boxes: run.refused.clone(),
+        relocalised: run.relocalised.clone(),
         objects: slam.objects().count(),
         keyframe_time: run.stopwatch.keyframe_time(),
         seconds: (now() - started).as_secs_f64(),
@@ -151,6 +216,7 @@ struct Run {
     boxes: usize,
     dropped: BTreeMap<&'static str, Counted>,
     refused: BTreeMap<&'static str, u64>,
+    relocalised: Option<Relocalisation>,
 }
 
 struct Counted {
@@ -168,6 +234,7 @@ impl Run {
             boxes: 0,
             dropped: BTreeMap::new(),
             refused: BTreeMap::new(),
+            relocalised: None,
         }
     }
 
@@ -181,6 +248,9 @@ impl Run {
                 *self.refused.entry(refused.reason()).or_default() += 1;
             }
             self.stopwatch.end_keyframe(keyframe.stamp);
+        }
+        if let (Some(found), Some(at)) = (&update.relocalised, self.results.latest()) {
+            self.relocalised = Some(Relocalisation::new(found, at));
         }
         for Dropped { reason, why, .. } in &update.dropped {
             let entry =

@@ -5,6 +5,7 @@ use crate::{
     config::NodeSettings,
     geometry::Pose,
     io::{BagError, BagWriter, map_json, trajectory_text, write_atomically},
+    mapping::SavedMap,
     msg::convert::tf_message,
     pipeline::{FramePose, Input, ObjectSlam, Update},
     publication::{Outgoing, OutputTopic, Publication, base_transform},
@@ -18,14 +19,18 @@ use std::{
 };
 
 /// Everything a replay writes into its folder.
-const FILES: [&str; 6] = [
+const FILES: [&str; 7] = [
     "map.json",
+    LOCAL_MAP,
     "trajectory.tum",
     "trajectory_live.tum",
     "result.mcap",
     "timing.csv",
     "summary.json",
 ];
+
+/// What was seen when the place in the saved map was not recognised.
+const LOCAL_MAP: &str = "local_map.json";
 
 /// Frame of the map.
 pub(super) const MAP_FRAME: &str = "map";
@@ -101,6 +106,11 @@ impl Results {
         Ok(())
     }
 
+    /// Stamp of the latest pose.
+    pub(super) fn latest(&self) -> Option<Stamp> {
+        self.poses.last().map(|pose| pose.stamp)
+    }
+
     /// The poses as they were published at the time.
     fn live(&self) -> Vec<(Stamp, Pose)> {
         self.poses.iter().map(|pose| (pose.stamp, pose.map_from_base)).collect()
@@ -117,14 +127,25 @@ impl Results {
         let trajectory: Vec<(Stamp, Pose)> = poses.collect();
         let last = self.publication.finish(slam);
         self.write(&last)?;
-        let texts = [
-            ("map.json", map_json(slam.objects(), &self.map_frame)?),
+        let seen = SavedMap::of(slam.objects(), &self.map_frame);
+        let mut texts = match slam.waiting() {
+            None => vec![("map.json", map_json(&seen)?)],
+            Some(waiting) => {
+                let local = SavedMap { frame_id: "local_map".into(), ..seen };
+                vec![("map.json", map_json(waiting.saved())?), (LOCAL_MAP, map_json(&local)?)]
+            }
+        };
+        texts.extend([
             ("trajectory.tum", trajectory_text(&trajectory)),
             ("trajectory_live.tum", trajectory_text(&self.live())),
             ("timing.csv", timing_csv.to_owned()),
             ("summary.json", summary_json.to_owned()),
-        ];
+        ]);
         self.bag.finish()?;
+        if slam.waiting().is_none() {
+            // Of an earlier replay into the same folder; fails where there is none.
+            let _ = fs::remove_file(self.folder.join(LOCAL_MAP));
+        }
         for (name, text) in texts {
             let path = self.folder.join(name);
             write_atomically(&path, text.as_bytes())

@@ -34,6 +34,9 @@ pub(super) struct Args {
     /// Draws poses, sizes and clutter, and all noise [default: 1].
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
+    /// Another visit to the scene of the same seed: another way through it and other noise [default: 0].
+    #[arg(long, value_name = "N")]
+    pub(super) visit: Option<u64>,
     /// How many RGB-D frames [default: what suits the trajectory].
     #[arg(long, value_name = "N")]
     pub(super) frames: Option<usize>,

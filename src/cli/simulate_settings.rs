@@ -15,6 +15,8 @@ pub(super) enum SceneName {
     Home,
     /// Two rooms with desks and a corridor.
     Office,
+    /// Chairs round a table, books in a row, two monitors side by side.
+    Crowded,
 }
 
 /// [`TrajectoryKind`] on the command line.
@@ -34,6 +36,7 @@ impl From<SceneName> for SceneKind {
             SceneName::Desk => Self::Desk,
             SceneName::Home => Self::Home,
             SceneName::Office => Self::Office,
+            SceneName::Crowded => Self::Crowded,
         }
     }
 }
@@ -63,6 +66,7 @@ pub(super) fn effective(args: &Args) -> Result<SimulationSettings, Failure> {
     settings.scene = args.scene.map_or(settings.scene, Into::into);
     settings.trajectory = args.trajectory.map_or(settings.trajectory, Into::into);
     settings.seed = args.seed.unwrap_or(settings.seed);
+    settings.visit = args.visit.unwrap_or(settings.visit);
     settings.frames = args.frames.unwrap_or(settings.frames);
     if args.perfect {
         settings = settings.perfect();

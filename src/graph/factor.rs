@@ -1,6 +1,7 @@
 //! What ties variables together: the terms of the cost.
 
 use super::{Kernel, Variable, VariableId};
+use crate::geometry::Pose;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// A residual and its derivative at some values.
@@ -35,6 +36,10 @@ pub trait Factor: std::fmt::Debug + Send + Sync {
 
     /// The residual and its derivative, at the same values.
     fn linearize(&self, at: &[Variable]) -> Linearization;
+
+    /// The whole map moves: a factor that knows a place in it takes this place along, so that its residual stays the
+    /// same. Whatever compares variables with one another has nothing to do. `new_from_old` turns about the vertical.
+    fn move_map(&mut self, _new_from_old: &Pose) {}
 
     /// How the residual's norm becomes cost.
     fn kernel(&self) -> Kernel {

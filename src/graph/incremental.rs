@@ -219,6 +219,18 @@ impl Graph {
         self.stale.moved.push(variable.0.index);
     }
 
+    /// Moves the whole map: every variable and every place that a factor knows. No residual changes, so that the solution
+    /// and its uncertainty are what they were. `new_from_old` turns about the vertical: what is upright stays so.
+    pub fn move_map(&mut self, new_from_old: &Pose) {
+        for node in &mut self.nodes {
+            node.linearized_at = node.linearized_at.moved(new_from_old);
+            node.estimate = node.estimate.moved(new_from_old);
+        }
+        for term in self.terms.iter_mut().flatten() {
+            term.factor.move_map(new_from_old);
+        }
+    }
+
     /// Forgets what was added and removed since the last update.
     pub fn discard(&mut self) {
         let staged = std::mem::take(&mut self.staged);

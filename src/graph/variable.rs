@@ -119,6 +119,14 @@ impl Variable {
         }
     }
 
+    /// The same in a frame `new`, given in a frame `old`.
+    pub(super) fn moved(&self, new_from_old: &Pose) -> Self {
+        match self {
+            Self::Pose(pose) => Self::Pose(new_from_old * pose),
+            Self::Ellipsoid(e) => Self::Ellipsoid(e.transformed(new_from_old)),
+        }
+    }
+
     /// The pose of either kind.
     pub fn pose(&self) -> &Pose {
         match self {

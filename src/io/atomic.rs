@@ -6,15 +6,28 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Writes a file under a temporary name in the same folder and renames it when it is complete.
+/// Writes a file under a temporary name in the same folder and renames it when it is complete and on the disk: whenever
+/// the process or the machine dies, there is either the old file or the new one.
 ///
 /// # Errors
 /// When the folder is not there or not writable, or the disk is full; then nothing is left behind.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let (temporary, mut file) = TemporaryFile::create(path)?;
     file.write_all(bytes)?;
+    // Otherwise the name may reach the disk before the content.
+    file.sync_all()?;
     drop(file);
-    temporary.keep()
+    temporary.keep()?;
+    sync_folder(path);
+    Ok(())
+}
+
+/// Brings a rename to the disk. Where folders cannot be opened as files, the system looks after that itself.
+fn sync_folder(file: &Path) {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Ok(folder) = File::open(folder.unwrap_or(Path::new("."))) {
+        let _ = folder.sync_all();
+    }
 }
 
 /// A file that disappears again unless it is kept.

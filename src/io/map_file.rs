@@ -1,57 +1,35 @@
 //! The map file, `map.json`.
 
+use super::write_atomically;
 use crate::{
     geometry::{Ellipsoid, Outline, pose_from_xyzw},
-    mapping::MapObject,
+    mapping::{SavedMap, SavedObject},
     time::Stamp,
 };
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
 use thiserror::Error;
 
+/// The largest map file that is read: about 100,000 objects.
+const MAX_BYTES: u64 = 512 << 20;
 /// The format's version; readers refuse others.
 const VERSION: u32 = 1;
-
-/// A map as it was saved.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SavedMap {
-    /// The frame that poses are in.
-    pub frame_id: String,
-    /// In the order of the file; no id twice.
-    pub objects: Vec<SavedObject>,
-}
-
-/// An object of a saved map.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SavedObject {
-    /// Its identity.
-    pub id: u64,
-    /// Its most probable label.
-    pub label: String,
-    /// Probability of each label.
-    pub labels: BTreeMap<String, f64>,
-    /// Probability that it exists.
-    pub existence: f64,
-    /// Measurements that were joined to it.
-    pub observations: u32,
-    /// Stamp of the first measurement.
-    pub first_seen: Stamp,
-    /// Stamp of the latest measurement.
-    pub last_seen: Stamp,
-    /// Where it is, and half its extents.
-    pub ellipsoid: Ellipsoid,
-    /// What fills its extents.
-    pub outline: Outline,
-    /// Height of the plane it stands on (m), if one was seen.
-    pub support_height_m: Option<f64>,
-    /// Positive definite, of `[rotation, translation, log semi-axes]`, a right perturbation in the object's frame.
-    pub covariance: SMatrix<f64, 9, 9>,
-}
 
 /// Why a text is not a map.
 #[derive(Debug, Error)]
 pub enum MapFileError {
+    /// The operating system refused.
+    #[error("the map cannot be read: {0}")]
+    Io(#[from] io::Error),
+    /// Larger than any map.
+    #[error("the map file is larger than {} MiB, which no map is", MAX_BYTES >> 20)]
+    TooLarge,
     /// Not JSON, or not in this form.
     #[error("not a map file: {0}")]
     Form(#[from] serde_json::Error),
@@ -110,19 +88,39 @@ struct ObjectRecord {
     covariance: Vec<f64>,
 }
 
-/// The text of a map file with these objects.
+/// The text of a map file.
 ///
 /// # Errors
 /// When a number is not finite, which would be a bug of the estimation.
-pub fn map_json<'a>(
-    objects: impl IntoIterator<Item = &'a MapObject>,
-    frame_id: &str,
-) -> serde_json::Result<String> {
-    let objects = objects.into_iter().map(record).collect();
-    let file = MapFile { version: VERSION, frame_id: frame_id.to_owned(), objects };
+pub fn map_json(map: &SavedMap) -> serde_json::Result<String> {
+    let objects = map.objects.iter().map(record).collect();
+    let file = MapFile { version: VERSION, frame_id: map.frame_id.clone(), objects };
     let mut text = serde_json::to_string_pretty(&file)?;
     text.push('\n');
     Ok(text)
+}
+
+/// Loads a map file.
+///
+/// # Errors
+/// When the file cannot be read, is larger than any map, or is not a map.
+pub fn load_saved_map(path: &Path) -> Result<SavedMap, MapFileError> {
+    let file = File::open(path)?;
+    let mut text = String::new();
+    // What a file says about its length need not be so: pipes and devices say nothing.
+    let read = file.take(MAX_BYTES + 1).read_to_string(&mut text)?;
+    if read as u64 > MAX_BYTES {
+        return Err(MapFileError::TooLarge);
+    }
+    read_map(&text)
+}
+
+/// Saves a map: a crash at any moment leaves the old file whole.
+///
+/// # Errors
+/// When the file cannot be written; the old one is still there then.
+pub fn save_map(path: &Path, map: &SavedMap) -> io::Result<()> {
+    write_atomically(path, map_json(map)?.as_bytes())
 }
 
 /// Reads the text of a map file. Fields that are not known here are passed over.
@@ -143,22 +141,21 @@ pub fn read_map(text: &str) -> Result<SavedMap, MapFileError> {
     Ok(SavedMap { frame_id: file.frame_id, objects })
 }
 
-fn record(object: &MapObject) -> ObjectRecord {
-    let ellipsoid = object.ellipsoid();
-    let q = ellipsoid.pose.rotation;
+fn record(object: &SavedObject) -> ObjectRecord {
+    let q = object.ellipsoid.pose.rotation;
     // Row-major; nalgebra stores columns.
-    let covariance = object.covariance().transpose().as_slice().to_vec();
+    let covariance = object.covariance.transpose().as_slice().to_vec();
     ObjectRecord {
-        id: object.id.0,
-        label: object.label().to_owned(),
-        labels: object.labels(),
-        existence: object.existence(),
+        id: object.id,
+        label: object.label.clone(),
+        labels: object.labels.clone(),
+        existence: object.existence,
         observations: object.observations,
         first_seen: object.first_seen.as_secs(),
         last_seen: object.last_seen.as_secs(),
-        position: ellipsoid.pose.translation.vector.into(),
+        position: object.ellipsoid.pose.translation.vector.into(),
         orientation: [q.i, q.j, q.k, q.w],
-        semi_axes: ellipsoid.semi_axes.into(),
+        semi_axes: object.ellipsoid.semi_axes.into(),
         outline: object.outline,
         support_height: object.support_height_m,
         covariance,
@@ -197,32 +194,43 @@ fn checked(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
 fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 8] {
     let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
     let positive = |values: &[f64]| finite(values) && values.iter().all(|v| *v > 0.0);
+    let near = |values: &[f64], limit: f64| values.iter().all(|v| v.abs() <= limit);
     let probability = |p: &f64| (0.0..=1.0).contains(p);
     let stamps = [record.first_seen, record.last_seen];
     let exponents_fit = match record.outline {
         Outline::Superquadric(e1, e2) => positive(&[e1, e2]) && e1 <= 1.0 && e2 <= 1.0,
         Outline::Ellipsoid | Outline::Cuboid | Outline::Cylinder => true,
     };
-    let in_order = finite(&stamps) && stamps[0] <= stamps[1];
-    let labels_fit = record.labels.values().all(probability);
-    let support = record.support_height.is_none_or(f64::is_finite);
+    let in_order = near(&stamps, MAX_STAMP_S) && stamps[0] <= stamps[1];
+    let labels_fit = record.labels.values().all(probability)
+        && record.labels.get(&record.label).is_some_and(|p| *p > 0.0);
+    let support = record.support_height.is_none_or(|height| near(&[height], MAX_PLACE_M));
+    let sizes = positive(&record.semi_axes) && near(&record.semi_axes, MAX_SIZE_M);
     [
         (!record.label.is_empty(), "label", "must not be empty"),
-        (labels_fit, "labels", "have to have probabilities between 0 and 1"),
+        (labels_fit, "labels", "have to have probabilities between 0 and 1, the label one above 0"),
         (probability(&record.existence), "existence", "has to be between 0 and 1"),
-        (in_order, "first_seen", "has to be finite and not after last_seen"),
-        (finite(&record.position), "position", "has to be finite"),
-        (positive(&record.semi_axes), "semi_axes", "have to be positive"),
+        (in_order, "first_seen", "has to be a time not after last_seen"),
+        (near(&record.position, MAX_PLACE_M), "position", "has to be within 1000 km"),
+        (sizes, "semi_axes", "have to be positive and at most 1 km"),
         (exponents_fit, "outline", "has to have exponents above 0 and up to 1"),
-        (support, "support_height", "has to be finite"),
+        (support, "support_height", "has to be within 1000 km"),
     ]
 }
+
+/// Beyond, arithmetic would lose what matters (m).
+const MAX_PLACE_M: f64 = 1e6;
+const MAX_SIZE_M: f64 = 1e3;
+/// What 64 bits of nanoseconds hold.
+const MAX_STAMP_S: f64 = 9.2e9;
+/// Variances beyond say nothing at all (rad^2, m^2, 1).
+const MAX_VARIANCE: f64 = 1e9;
 
 /// A row-major matrix, made exactly symmetric where it is so up to rounding.
 fn covariance(numbers: &[f64]) -> Option<SMatrix<f64, 9, 9>> {
     /// Of the geometric mean of the two variances.
     const ASYMMETRY: f64 = 1e-6;
-    if numbers.len() != 81 || !numbers.iter().all(|v| v.is_finite()) {
+    if numbers.len() != 81 || !numbers.iter().all(|v| v.abs() <= MAX_VARIANCE) {
         return None;
     }
     let given = SMatrix::<f64, 9, 9>::from_row_slice(numbers);

@@ -22,7 +22,7 @@ pub use bag_writer::BagWriter;
 pub use decode::{Decoder, decode_color};
 pub use error::{BagError, BagWarning, Damage};
 pub use inspect::{BagReport, Coverage, FrameLink, Frames, Matching, Rhythm, Stream, inspect};
-pub use map_file::{MapFileError, SavedMap, SavedObject, map_json, read_map};
+pub use map_file::{MapFileError, load_saved_map, map_json, read_map, save_map};
 pub use roles::{Remap, Role, RoleError, Roles};
 pub use trajectory::{TrajectoryError, read_trajectory, trajectory_text};
 pub use tum_folder::{TumError, TumFolder, TumFrame, TumOptions};

@@ -1,13 +1,22 @@
 //! Which object a measurement belongs to.
 
-use super::MapObject;
-use crate::geometry::Ellipsoid;
-use serde::{Deserialize, Serialize};
+use super::{
+    MapObject, MappingSettings, Measured, Observation, View,
+    assignment::{Costs, assign, rival},
+    gate::{Candidate, Step, overlap},
+    index::ObjectIndex,
+    visibility::Prospect,
+};
+use crate::{
+    geometry::{Ellipsoid, Pose},
+    graph::{Graph, PoseId},
+};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Who decides which measurement belongs to which object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Association {
-    /// The map, by label and distance.
+    /// The map.
     #[default]
     Automatic,
     /// The detections' own identities ([`crate::perception::Detection::track`]); what has none is left out. The paper
@@ -15,57 +24,267 @@ pub enum Association {
     Given,
 }
 
-/// The gate: how far apart two views of one object may be.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct GateSettings {
-    /// Distance of the centres on the ground, as a share of the footprint's half diagonal.
-    pub max_distance_in_radii: f64,
-    /// Distance allowed to the smallest objects (m).
-    pub min_distance_m: f64,
+/// What a box is taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Decision {
+    Object(usize),
+    New,
+    /// It may be several objects, or one that it does not fit: later views will tell.
+    Wait,
 }
 
-impl Default for GateSettings {
-    fn default() -> Self {
-        Self { max_distance_in_radii: 0.8, min_distance_m: 0.08 }
+/// What was decided about a sighting.
+pub(super) struct Associated {
+    /// One for each observation.
+    pub(super) decisions: Vec<Decision>,
+    /// Objects that some box may show: nobody can say that they were missed.
+    pub(super) shown: BTreeSet<usize>,
+    /// Objects in which a second box was.
+    pub(super) crowded: Vec<usize>,
+    /// How the objects before the camera should look.
+    pub(super) prospects: BTreeMap<usize, Prospect>,
+}
+
+impl Associated {
+    /// Decisions that were made elsewhere.
+    pub(super) fn given(decisions: Vec<Decision>) -> Self {
+        Self { decisions, shown: BTreeSet::new(), crowded: Vec::new(), prospects: BTreeMap::new() }
     }
 }
 
-/// For each measurement the index of its object, nearest pairs first, each object once.
-pub(super) fn associate(
-    objects: &[MapObject],
-    measured: &[(&str, Ellipsoid)],
-    gate: &GateSettings,
-) -> Vec<Option<usize>> {
-    let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
-    for (m, (label, ellipsoid)) in measured.iter().enumerate() {
-        for (o, object) in objects.iter().enumerate() {
-            if object.label() != *label {
+/// All that an association looks at.
+pub(super) struct Evidence<'a> {
+    pub(super) objects: &'a [MapObject],
+    pub(super) graph: &'a Graph,
+    pub(super) settings: &'a MappingSettings,
+    pub(super) step: &'a Step,
+    /// The keyframe's.
+    pub(super) pose: PoseId,
+    pub(super) map_from_base: &'a Pose,
+    pub(super) view: Option<&'a View<'a>>,
+}
+
+impl Evidence<'_> {
+    /// The best assignment of boxes to objects where it is clear.
+    pub(super) fn associate(&self, observations: &[Observation]) -> Associated {
+        let index = ObjectIndex::new(self.objects);
+        let prospects = self.prospects(&index);
+        let doubtful = self.doubtful(observations);
+        let fits: Vec<Fits> = (observations.iter().zip(&doubtful))
+            .map(|(observation, is_doubtful)| match &observation.measured {
+                Some(measured) if !is_doubtful => {
+                    self.fits(observation, measured, &index, &prospects)
+                }
+                _ => Fits::default(),
+            })
+            .collect();
+        let costs: Costs = fits.iter().map(|fits| fits.costs.clone()).collect();
+        let assigned = assign(&costs, self.settings.gate.new_object_cost);
+        let mut associated = Associated {
+            decisions: Vec::new(),
+            shown: BTreeSet::new(),
+            crowded: Vec::new(),
+            prospects,
+        };
+        for (at, observation) in observations.iter().enumerate() {
+            let is_usable = observation.measured.is_some() && !doubtful[at];
+            let decision = match assigned[at] {
+                _ if !is_usable => Decision::Wait,
+                Some(object) => self.clear((&costs, &fits), &assigned, (at, object)),
+                None => self.new_or_wait(&fits[at], &assigned, &mut associated.crowded),
+            };
+            associated
+                .shown
+                .extend(fits[at].explaining.keys().filter(|_| decision == Decision::Wait));
+            associated.decisions.push(decision);
+        }
+        associated.shown.extend(assigned.iter().copied().flatten());
+        self.boxes_alone(observations, &mut associated);
+        associated
+    }
+
+    /// The assigned object, if no other one would do as well, and the box does not say that it is another one: of
+    /// things that stand behind each other, the points of the nearer fill the box of the farther. Objects that overlap
+    /// are no alternatives: they will be merged.
+    fn clear(
+        &self,
+        (costs, fits): (&Costs, &[Fits]),
+        assigned: &[Option<usize>],
+        (at, object): (usize, usize),
+    ) -> Decision {
+        let gate = &self.settings.gate;
+        let in_image = &fits[at].in_image;
+        let share = in_image.get(&object).copied().unwrap_or(1.0);
+        let is_better = |other: &&usize| in_image[other] > share + BETTER_OVERLAP;
+        let by_box = in_image.keys().find(is_better).copied();
+        let limits = (gate.new_object_cost, gate.ambiguity);
+        let other = by_box.or_else(|| rival(costs, assigned, at, limits));
+        match other {
+            Some(other) if !self.are_in_one_place(object, other) => Decision::Wait,
+            _ => Decision::Object(object),
+        }
+    }
+
+    /// What fits no object is new, unless there is an object in its place. One that another box of this image shows is
+    /// none, but for where they overlap much: then one of the two is wrong, and it takes several images to believe that
+    /// one object is two.
+    fn new_or_wait(
+        &self,
+        fits: &Fits,
+        assigned: &[Option<usize>],
+        crowded: &mut Vec<usize>,
+    ) -> Decision {
+        let is_taken = |object: &usize| assigned.contains(&Some(*object));
+        let taken = fits.explaining.iter().find(|(o, share)| is_taken(o) && **share > SAME_PLACE);
+        crowded.extend(taken.map(|(object, _)| *object));
+        let may_be_two = |object: &usize| self.objects[*object].crowded >= BELIEVED_TWO;
+        let is_waiting = taken.is_some_and(|(object, _)| !may_be_two(object))
+            || fits.explaining.keys().any(|object| !is_taken(object));
+        if is_waiting { Decision::Wait } else { Decision::New }
+    }
+
+    fn are_in_one_place(&self, a: usize, b: usize) -> bool {
+        overlap(self.objects[a].estimate(), self.objects[b].estimate()).0 > SAME_PLACE
+    }
+
+    fn prospects(&self, index: &ObjectIndex) -> BTreeMap<usize, Prospect> {
+        let Some(view) = self.view else { return BTreeMap::new() };
+        let map_from_camera = self.map_from_base * view.base_from_camera;
+        let (right, below) =
+            (f64::from(view.camera.width()) - 1.0, f64::from(view.camera.height()) - 1.0);
+        let corners = [(0.0, 0.0), (right, 0.0), (0.0, below), (right, below)];
+        let corners = corners.map(|(u, v)| view.camera.ray(u, v));
+        let before = index.before(&map_from_camera, corners, view.max_range_m);
+        let prospect = |at: usize| {
+            let object = &self.objects[at];
+            Prospect::new(view, self.map_from_base, object.estimate(), object.outline)
+        };
+        before.into_iter().filter_map(|at| Some((at, prospect(at)?))).collect()
+    }
+
+    /// Boxes that say nothing new: of two in one place, the one that fits its own measurement worse. Detectors that are
+    /// not sure of a class give a thing two boxes, and what is mostly hidden is measured by the points of what hides it.
+    fn doubtful(&self, observations: &[Observation]) -> Vec<bool> {
+        let Some(view) = self.view else { return vec![false; observations.len()] };
+        let bodies: Vec<Option<(Ellipsoid, f64)>> = observations
+            .iter()
+            .map(|observation| {
+                let body = observation.measured.as_ref()?.ellipsoid.transformed(self.map_from_base);
+                let own = Prospect::new(view, self.map_from_base, &body, observation.outline);
+                let share =
+                    own.zip(observation.rect).map_or(0.0, |(own, rect)| own.rect.overlap(&rect));
+                Some((body, share))
+            })
+            .collect();
+        let labels = &self.settings.labels;
+        let belief = |o: &Observation| labels.posterior(&o.labels.iter().cloned().collect());
+        let yields = |at: usize, other: usize| {
+            let (Some((body, share)), Some((first, best))) = (&bodies[at], &bodies[other]) else {
+                return false;
+            };
+            (*share, other) < (*best, at)
+                && (body.center() - first.center()).norm()
+                    < body.semi_axes.norm() + first.semi_axes.norm()
+                && overlap(body, first).0 > SAME_PLACE
+                && labels
+                    .is_alike(labels.cost(&observations[at].labels, &belief(&observations[other])))
+        };
+        let all = 0..observations.len();
+        all.clone().map(|at| all.clone().any(|other| other != at && yields(at, other))).collect()
+    }
+
+    /// What it costs an observation to be each of the objects near it.
+    fn fits(
+        &self,
+        observation: &Observation,
+        measured: &Measured,
+        index: &ObjectIndex,
+        prospects: &BTreeMap<usize, Prospect>,
+    ) -> Fits {
+        let mut fits = Fits { in_image: self.in_image(observation, prospects), ..Fits::default() };
+        let in_map = measured.ellipsoid.transformed(self.map_from_base);
+        let gate = &self.settings.gate;
+        for at in index.near(&in_map, REACH_M) {
+            let object = &self.objects[at];
+            let called = self.settings.labels.cost(&observation.labels, object.belief());
+            if called >= gate.new_object_cost {
                 continue;
             }
-            let known = object.ellipsoid();
-            let reach = gate
-                .min_distance_m
-                .max(gate.max_distance_in_radii * radius(&known).max(radius(ellipsoid)));
-            let apart = ellipsoid.center() - known.center();
-            let ratio = apart.xy().norm() / reach;
-            if ratio <= 1.0 && apart.z.abs() <= reach + known.semi_axes.z + ellipsoid.semi_axes.z {
-                pairs.push((ratio, m, o));
+            let candidate = Candidate::new(measured, self.step, (self.pose, object), gate);
+            let apart = 0.5 * candidate.squared_distance(self.graph, self.step, object);
+            let seen = observation.rect.as_ref().zip(prospects.get(&at));
+            let image = seen.map(|(rect, prospect)| rect.overlap(&prospect.rect));
+            let box_cost = image.map_or(NO_BOX_COST, |share| -share.max(LEAST_OVERLAP).ln());
+            let (of_smaller, _) = overlap(&in_map, object.estimate());
+            // Single frames are wrong by more than they say now and then: what stands in the same place and looks the
+            // same is the same, however unlikely.
+            let is_there = of_smaller > SAME_PLACE || image.is_some_and(|share| share > SAME_BOX);
+            let most = if is_there { WORST_COST } else { f64::MAX };
+            let shy = if object.counts() { 0.0 } else { TENTATIVE_COST };
+            fits.costs.insert(at, apart.min(most) + box_cost + called + shy);
+            let is_there = of_smaller > TOUCHING
+                || image.is_some_and(|share| share > gate.min_box_overlap && of_smaller > 0.0);
+            if is_there && self.settings.labels.is_alike(called) {
+                fits.explaining.insert(at, of_smaller);
             }
         }
+        fits
     }
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let mut of_measurement = vec![None; measured.len()];
-    let mut taken = vec![false; objects.len()];
-    for (_, m, o) in pairs {
-        if of_measurement[m].is_none() && !taken[o] {
-            of_measurement[m] = Some(o);
-            taken[o] = true;
+
+    /// How much of the boxes of objects that may be called so a box overlaps.
+    fn in_image(
+        &self,
+        observation: &Observation,
+        prospects: &BTreeMap<usize, Prospect>,
+    ) -> BTreeMap<usize, f64> {
+        let Some(rect) = &observation.rect else { return BTreeMap::new() };
+        let labels = &self.settings.labels;
+        let is_alike = |at: &usize| {
+            labels.is_alike(labels.cost(&observation.labels, self.objects[*at].belief()))
+        };
+        let shares = prospects.iter().filter(|(at, _)| is_alike(at));
+        shares.map(|(at, prospect)| (*at, rect.overlap(&prospect.rect))).collect()
+    }
+
+    /// Boxes without a measurement: what they show is there, and no more.
+    fn boxes_alone(&self, observations: &[Observation], associated: &mut Associated) {
+        for (at, observation) in observations.iter().enumerate() {
+            if associated.decisions[at] != Decision::Wait {
+                continue;
+            }
+            let shares = self.in_image(observation, &associated.prospects);
+            let least = self.settings.gate.min_box_overlap;
+            let shown = shares.into_iter().filter(|(_, share)| *share > least);
+            associated.shown.extend(shown.map(|(object, _)| object));
         }
     }
-    of_measurement
 }
 
-fn radius(ellipsoid: &Ellipsoid) -> f64 {
-    ellipsoid.semi_axes.xy().norm()
+/// What an observation may be.
+#[derive(Default)]
+struct Fits {
+    costs: BTreeMap<usize, f64>,
+    /// Objects that are where it is and may be called so, whatever the gate says, and how much of the smaller is common.
+    explaining: BTreeMap<usize, f64>,
+    /// How much its box overlaps those of objects that may be called so.
+    in_image: BTreeMap<usize, f64>,
 }
+
+/// Bodies of one thing in two frames are never farther apart (m): what the gate is asked about.
+const REACH_M: f64 = 0.3;
+/// The most that geometry can cost where the measurement and the object overlap by so much of the smaller.
+const WORST_COST: f64 = 10.0;
+const SAME_PLACE: f64 = 0.4;
+/// Overlap from which an object may be what a box shows.
+const TOUCHING: f64 = 0.2;
+/// Where the box or what to expect of it is not known, as much as for a box that overlaps by an eighth.
+const NO_BOX_COST: f64 = 2.0;
+const LEAST_OVERLAP: f64 = 0.02;
+/// Of two that fit alike, the one that counts.
+const TENTATIVE_COST: f64 = 0.5;
+/// A box that overlaps an object's by so much may show it, wherever the points in it are.
+const SAME_BOX: f64 = 0.6;
+/// The box says that it is another object where it overlaps that one's by so much more.
+const BETTER_OVERLAP: f64 = 0.2;
+/// Images with a second box in an object before that is believed.
+const BELIEVED_TWO: u32 = 3;

@@ -38,7 +38,7 @@ impl InitialViews {
 
     /// Whether one of them is from this keyframe.
     pub(super) fn are_from(&self, pose: PoseId) -> bool {
-        self.views.iter().any(|(place, _)| place.pose == pose)
+        self.views.iter().any(|(place, _)| place.keyframe.pose == pose)
     }
 
     /// The views before the one that completed the guess.

@@ -1,16 +1,41 @@
 //! Memory: which measurement belongs to which object, and which factors poses and objects give the graph.
 
+mod assignment;
 mod association;
+mod continuation;
+mod existence;
+mod gate;
+mod index;
 mod initial;
+mod labels;
+mod life;
+mod loop_closing;
+mod merging;
 mod object;
 mod objects;
 mod observation;
 mod odometry;
+mod queries;
+mod relocalisation;
+mod saved;
 mod slam_settings;
 mod views;
+mod visibility;
 
-pub use association::{Association, GateSettings};
+pub use association::Association;
+pub use continuation::Continuation;
+pub use existence::{LifeSettings, ObjectState};
+pub use gate::GateSettings;
+pub use labels::LabelSettings;
+pub use life::ObjectChange;
+pub use merging::MergeError;
 pub use object::{MapObject, ObjectId};
 pub use objects::{MappingSettings, ObjectMap, Sighted};
 pub use observation::{Measured, Observation, ObservedBox, Sighting};
+pub use queries::{Distance, InView, Region};
+pub use relocalisation::{
+    Constellation, ExpectedPlace, Landmark, NotRelocalised, RelocalisationSettings, Relocalised,
+};
+pub use saved::{SavedMap, SavedObject};
 pub use slam_settings::{BoxOutline, KernelShape, SlamSettings, Weighting};
+pub use visibility::View;

@@ -1,13 +1,17 @@
 //! An object of the map.
 
 use super::{
-    BoxOutline, Measured, Observation, SlamSettings, Weighting, odometry::Place, views::Views,
+    BoxOutline, MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings,
+    Weighting,
+    existence::Existence,
+    odometry::Place,
+    views::{View, Views},
 };
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
     graph::{
-        BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise, PoseId,
-        SupportContact, Upright,
+        BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise,
+        NoiseError, PoseId, SupportContact, Upright,
     },
     time::Stamp,
 };
@@ -45,14 +49,59 @@ pub struct MapObject {
     support_heights: u32,
     variable: EllipsoidId,
     views: Views,
+    /// Its other factors.
+    ties: Vec<Tie>,
     /// Where single measurements saw its centre, in the map.
     centers: Vec<Point3<f64>>,
     ellipsoid: Ellipsoid,
     covariance: SMatrix<f64, 9, 9>,
     /// Sum of the detector's probabilities by label.
     votes: BTreeMap<String, f64>,
-    /// Probability that all measurements were false.
-    doubt: f64,
+    /// What follows from them.
+    belief: BTreeMap<String, f64>,
+    pub(super) existence: Existence,
+    /// How often it had a box beside one of these others: they are not the same.
+    pub(super) beside: BTreeMap<ObjectId, u32>,
+    /// In how many images a second box was in its place.
+    pub(super) crowded: u32,
+}
+
+/// A factor that is not counted by its direction.
+#[derive(Clone, Debug)]
+enum Tie {
+    Box(BoxObservation),
+    Support(SupportContact),
+    /// With the paper's weights.
+    Measured(Box<EllipsoidObservation>),
+    /// What an earlier run knew.
+    Prior(EllipsoidPrior),
+}
+
+impl Tie {
+    fn add(self, graph: &mut Graph, variable: EllipsoidId) -> Self {
+        match self {
+            Self::Box(factor) => {
+                let factor = factor.of(variable);
+                graph.add_factor(factor.clone());
+                Self::Box(factor)
+            }
+            Self::Support(factor) => {
+                let factor = factor.of(variable);
+                graph.add_factor(factor.clone());
+                Self::Support(factor)
+            }
+            Self::Measured(factor) => {
+                let factor = factor.of(variable);
+                graph.add_factor(factor.clone());
+                Self::Measured(Box::new(factor))
+            }
+            Self::Prior(factor) => {
+                let factor = factor.of(variable);
+                graph.add_factor(factor.clone());
+                Self::Prior(factor)
+            }
+        }
+    }
 }
 
 impl MapObject {
@@ -73,11 +122,64 @@ impl MapObject {
             support_heights: 0,
             variable,
             views: Views::default(),
+            ties: Vec::new(),
             centers: Vec::new(),
             ellipsoid: upright(initial),
             covariance: SMatrix::identity(),
             votes: BTreeMap::new(),
-            doubt: 1.0,
+            belief: BTreeMap::new(),
+            existence: Existence::default(),
+            beside: BTreeMap::new(),
+            crowded: 0,
+        }
+    }
+
+    /// An object of an earlier run, of which the graph gets a prior.
+    ///
+    /// # Errors
+    /// When its covariance is none.
+    pub(super) fn remembered(
+        saved: &SavedObject,
+        graph: &mut Graph,
+        settings: &SlamSettings,
+    ) -> Result<Self, NoiseError> {
+        let covariance = saved.reliable_covariance();
+        let noise = Noise::from_covariance(&covariance)?;
+        let variable = graph.add_ellipsoid(saved.ellipsoid);
+        let prior = EllipsoidPrior::new(variable, saved.ellipsoid, noise);
+        let prior = prior.with_kernel(settings.robust_kernel());
+        graph.add_factor(prior.clone());
+        let votes = f64::from(saved.observations);
+        let height = saved.support_height_m;
+        Ok(Self {
+            id: saved.into(),
+            track: None,
+            outline: saved.outline,
+            observations: saved.observations,
+            first_seen: saved.first_seen,
+            last_seen: saved.last_seen,
+            support_height_m: height,
+            support_heights: if height.is_some() { saved.observations.max(1) } else { 0 },
+            variable,
+            views: Views::default(),
+            ties: vec![Tie::Prior(prior)],
+            centers: Vec::new(),
+            ellipsoid: saved.ellipsoid,
+            covariance: saved.covariance,
+            votes: saved.labels.iter().map(|(label, p)| (label.clone(), p * votes)).collect(),
+            belief: saved.labels.clone(),
+            existence: Existence::remembered(saved.existence),
+            crowded: 0,
+            beside: BTreeMap::new(),
+        })
+    }
+
+    /// Gives what is not in the graph in another frame.
+    pub(super) fn move_map(&mut self, new_from_old: &Pose) {
+        self.ellipsoid = self.ellipsoid.transformed(new_from_old);
+        self.centers.iter_mut().for_each(|center| *center = new_from_old * *center);
+        if let Some(height) = &mut self.support_height_m {
+            *height += new_from_old.translation.z;
         }
     }
 
@@ -106,9 +208,9 @@ impl MapObject {
     /// The most probable label.
     pub fn label(&self) -> &str {
         let mut best: (&str, f64) = ("", f64::MIN);
-        for (label, votes) in &self.votes {
-            if *votes > best.1 {
-                best = (label, *votes);
+        for (label, probability) in &self.belief {
+            if *probability > best.1 {
+                best = (label, *probability);
             }
         }
         best.0
@@ -116,13 +218,35 @@ impl MapObject {
 
     /// Probability of each label; they sum to one.
     pub fn labels(&self) -> BTreeMap<String, f64> {
-        let total: f64 = self.votes.values().sum();
-        self.votes.iter().map(|(label, votes)| (label.clone(), votes / total)).collect()
+        self.belief.clone()
     }
 
     /// Probability that the object exists.
     pub fn existence(&self) -> f64 {
-        1.0 - self.doubt
+        self.existence.probability()
+    }
+
+    /// Where it is in its life.
+    pub fn state(&self) -> ObjectState {
+        self.existence.state
+    }
+
+    /// Whether it was seen often enough to be an object of the map.
+    pub(super) fn counts(&self) -> bool {
+        self.existence.state != ObjectState::Tentative
+    }
+
+    pub(super) fn belief(&self) -> &BTreeMap<String, f64> {
+        &self.belief
+    }
+
+    pub(super) fn variable(&self) -> EllipsoidId {
+        self.variable
+    }
+
+    /// Its ellipsoid as the graph names its axes.
+    pub(super) fn estimate(&self) -> &Ellipsoid {
+        &self.ellipsoid
     }
 
     /// Quarter turns that put the longer horizontal axis first.
@@ -131,14 +255,22 @@ impl MapObject {
     }
 
     /// Counts an observation.
-    pub(super) fn join(&mut self, stamp: Stamp, observation: &Observation, map_from_base: &Pose) {
+    pub(super) fn join(
+        &mut self,
+        stamp: Stamp,
+        observation: &Observation,
+        map_from_base: &Pose,
+        settings: &MappingSettings,
+    ) {
         self.observations += 1;
         self.last_seen = self.last_seen.max(stamp);
         for (label, probability) in &observation.labels {
             *self.votes.entry(label.clone()).or_default() += probability;
         }
+        self.belief = settings.labels.posterior(&self.votes);
         let Some(measured) = &observation.measured else { return };
-        self.doubt = (self.doubt * (1.0 - 0.5 * measured.probability)).max(MIN_DOUBT);
+        let eye = map_from_base.translation.vector.into();
+        self.existence.measured(measured.probability, &eye, &settings.life);
         if let Some(height) = support_height(measured, map_from_base) {
             self.support_heights += 1;
             let weight = 1.0 / f64::from(self.support_heights);
@@ -184,20 +316,24 @@ impl MapObject {
             };
             let keyframe_from_camera = place.keyframe_from_base * sides.base_from_camera;
             let factor = BoxObservation::new(
-                place.pose,
+                place.keyframe.pose,
                 self.variable,
                 keyframe_from_camera,
                 outline,
                 sides.sides,
             )?;
-            graph.add_factor(factor.with_kernel(settings.robust_kernel()));
+            let factor = factor.with_kernel(settings.robust_kernel());
+            graph.add_factor(factor.clone());
+            self.ties.push(Tie::Box(factor));
         }
         let support = observation.measured.as_ref().and_then(|measured| measured.support);
         if let Some(plane) = support.filter(|_| settings.support) {
             let plane = plane.transformed(&place.map_from_base(graph));
             let factor =
                 SupportContact::new(self.variable, self.outline, plane, settings.support_sigma_m)?;
-            graph.add_factor(factor.with_kernel(settings.robust_kernel()));
+            let factor = factor.with_kernel(settings.robust_kernel());
+            graph.add_factor(factor.clone());
+            self.ties.push(Tie::Support(factor));
         }
         Ok(forgotten)
     }
@@ -215,7 +351,7 @@ impl MapObject {
             Weighting::Paper => paper_covariance(&ellipsoid, measured.probability * settings.eps_z),
         };
         let factor = EllipsoidObservation::new(
-            place.pose,
+            place.keyframe.pose,
             self.variable,
             ellipsoid,
             &covariance,
@@ -223,14 +359,14 @@ impl MapObject {
         )?;
         let factor = factor.with_kernel(settings.robust_kernel());
         if settings.weighting == Weighting::Paper {
-            graph.add_factor(factor);
+            graph.add_factor(factor.clone());
+            self.ties.push(Tie::Measured(Box::new(factor)));
             return Ok(None);
         }
-        let map_from_keyframe = graph.pose(place.pose);
+        let map_from_keyframe = graph.pose(place.keyframe.pose);
         self.begin_anew_if_wrong(graph, &ellipsoid.transformed(&map_from_keyframe));
-        let eye = map_from_keyframe.translation.vector.into();
-        let eye = self.ellipsoid.pose.inverse_transform_point(&eye);
-        Ok(self.views.add(graph, &eye, (place, factor), settings)?)
+        let map_from_object = self.ellipsoid.pose;
+        Ok(self.views.add(graph, &map_from_object, (place.keyframe, factor), settings)?)
     }
 
     /// An object that began with an outlier stays at it: the robust kernel then takes what is right for outliers. So where
@@ -248,6 +384,67 @@ impl MapObject {
         if nalgebra::distance(&center, &estimate) > reach && near(&center) > near(&estimate) {
             graph.set_ellipsoid(self.variable, *measured);
         }
+    }
+
+    /// Takes over all that is known of another object that is the same thing: its factors, votes and times. The other's
+    /// variable leaves the graph. Returns the poses whose measurements were forgotten for it.
+    pub(super) fn absorb(
+        &mut self,
+        graph: &mut Graph,
+        mut other: Self,
+        (mapping, settings): (&MappingSettings, &SlamSettings),
+    ) -> Result<Vec<PoseId>, NoiseError> {
+        let place = self.ellipsoid.pose;
+        let views: Vec<View> = other.views.all().cloned().collect();
+        other.views.take(graph, &views);
+        let forgotten = self.views.join(graph, (self.variable, &place), views, settings)?;
+        self.ties.extend(other.ties.into_iter().map(|tie| tie.add(graph, self.variable)));
+        graph.remove_variable(other.variable);
+        self.observations += other.observations;
+        self.first_seen = self.first_seen.min(other.first_seen);
+        self.last_seen = self.last_seen.max(other.last_seen);
+        for (label, votes) in other.votes {
+            *self.votes.entry(label).or_default() += votes;
+        }
+        self.belief = mapping.labels.posterior(&self.votes);
+        self.existence.absorb(&other.existence);
+        self.centers.extend(other.centers);
+        self.centers.truncate(MAX_CENTERS);
+        let (own, others) = (f64::from(self.support_heights), f64::from(other.support_heights));
+        self.support_height_m = match (self.support_height_m, other.support_height_m) {
+            (Some(own_m), Some(other_m)) => Some((own * own_m + others * other_m) / (own + others)),
+            (own_m, other_m) => own_m.or(other_m),
+        };
+        self.support_heights += other.support_heights;
+        Ok(forgotten)
+    }
+
+    /// Gives up the measurements that are another object's: those that are much nearer to it. Returns how many,
+    /// and the poses whose measurements were forgotten for them.
+    pub(super) fn yield_to(
+        &mut self,
+        graph: &mut Graph,
+        other: &mut Self,
+        settings: &SlamSettings,
+    ) -> Result<(usize, Vec<PoseId>), NoiseError> {
+        let (own, others) = (self.ellipsoid.center(), other.ellipsoid.center());
+        let poses = |view: &View| graph.pose(view.keyframe.pose);
+        let center = |view: &View| view.factor.measured().transformed(&poses(view)).center();
+        let is_others = |center: Point3<f64>| {
+            nalgebra::distance(&center, &others) < NEARER * nalgebra::distance(&center, &own)
+        };
+        let wrong: Vec<View> = self.views.all().filter(|v| is_others(center(v))).cloned().collect();
+        let count = wrong.len();
+        self.views.take(graph, &wrong);
+        let place = (other.variable, &other.ellipsoid.pose.clone());
+        let forgotten = other.views.join(graph, place, wrong, settings)?;
+        Ok((count, forgotten))
+    }
+
+    /// Takes its variable and factors out of the graph. Returns the poses that it was measured from.
+    pub(super) fn leave(&self, graph: &mut Graph) -> Vec<PoseId> {
+        graph.remove_variable(self.variable);
+        self.views.all().map(|view| view.keyframe.pose).collect()
     }
 
     pub(super) fn take_estimate(&mut self, graph: &Graph) {
@@ -292,10 +489,10 @@ fn paper_covariance(ellipsoid: &Ellipsoid, information: f64) -> SMatrix<f64, 9, 
     SMatrix::from_diagonal(&variances)
 }
 
+/// A measurement is another object's if it is so much nearer to it.
+const NEARER: f64 = 0.4;
 /// Measurements that are remembered to judge an object's place by.
 const MAX_CENTERS: usize = 100;
-/// Detectors and depth can always be wrong together.
-const MIN_DOUBT: f64 = 1e-3;
 /// A semi-axis that measurements disagree about must not shrink to nothing (rad, m, 1).
 const NOT_ABSURD: [f64; 9] = [10.0, 10.0, 10.0, 100.0, 100.0, 100.0, 1.0, 1.0, 1.0];
 /// What boxes alone leave open must not become infinite (rad, m, 1).

@@ -1,13 +1,16 @@
 //! The map: objects and poses in one graph.
 
 use super::{
-    Association, GateSettings, MapObject, ObjectId, Observation, Sighting, SlamSettings,
-    association::associate,
+    Association, GateSettings, LabelSettings, LifeSettings, MapObject, ObjectChange, ObjectId,
+    Observation, Sighting, SlamSettings,
+    association::{Associated, Decision, Evidence},
+    gate::Step,
     initial::InitialViews,
+    life::Departed,
     odometry::{Chain, Place},
 };
 use crate::{
-    geometry::{Ellipsoid, Pose},
+    geometry::Pose,
     graph::{Graph, PoseId},
     time::Stamp,
 };
@@ -15,8 +18,8 @@ use nalgebra::Matrix6;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Which measurements are one object.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Which measurements are one object, and when it counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MappingSettings {
     /// Measurements after which an object counts.
@@ -26,6 +29,10 @@ pub struct MappingSettings {
     pub association: Association,
     /// Which measurements belong together.
     pub gate: GateSettings,
+    /// How classes are confused.
+    pub labels: LabelSettings,
+    /// When an object counts, and when it is gone.
+    pub life: LifeSettings,
 }
 
 impl Default for MappingSettings {
@@ -34,6 +41,8 @@ impl Default for MappingSettings {
             min_observations: 3,
             association: Association::default(),
             gate: GateSettings::default(),
+            labels: LabelSettings::default(),
+            life: LifeSettings::default(),
         }
     }
 }
@@ -41,14 +50,18 @@ impl Default for MappingSettings {
 /// All objects, in the order in which they were first seen, and the poses they were seen from.
 #[derive(Debug)]
 pub struct ObjectMap {
-    settings: MappingSettings,
-    slam: SlamSettings,
-    graph: Graph,
-    chain: Chain,
-    objects: Vec<MapObject>,
+    pub(super) settings: MappingSettings,
+    pub(super) slam: SlamSettings,
+    pub(super) graph: Graph,
+    pub(super) chain: Chain,
+    pub(super) objects: Vec<MapObject>,
+    /// What counted and has left its place.
+    pub(super) departed: Vec<Departed>,
     /// What was seen too seldom to be an object, where only boxes count.
     initial: BTreeMap<u64, InitialViews>,
-    last_id: u64,
+    pub(super) last_id: u64,
+    /// Keyframes when it was last tried to close a loop.
+    pub(super) loop_tried: usize,
 }
 
 /// What came of a sighting.
@@ -56,6 +69,8 @@ pub struct ObjectMap {
 pub struct Sighted {
     /// The object of each observation, in order; none where it was left out.
     pub objects: Vec<Option<ObjectId>>,
+    /// What happened to objects that count, in order.
+    pub changes: Vec<ObjectChange>,
     /// Why the graph could not use the sighting, if it could not.
     pub refused: Option<String>,
 }
@@ -69,8 +84,10 @@ impl ObjectMap {
             graph: Graph::new(slam.solver),
             chain: Chain::default(),
             objects: Vec::new(),
+            departed: Vec::new(),
             initial: BTreeMap::new(),
             last_id: 0,
+            loop_tried: 0,
         }
     }
 
@@ -81,31 +98,37 @@ impl ObjectMap {
     }
 
     /// Joins what one keyframe saw: decides what it is and which factors it gives. Liao et al. 2020, section V.
-    pub fn observe(&mut self, sighting: &Sighting) -> Sighted {
+    pub fn observe(&mut self, sighting: &Sighting<'_>) -> Sighted {
         let (objects, keyframes) = (self.objects.len(), self.chain.count());
         let mut before = Vec::new();
         match self.join(sighting, &mut before) {
-            Ok(objects) => Sighted { objects, refused: None },
+            Ok((associated, found)) => {
+                let ids = found.iter().map(|at| at.map(|at| self.objects[at].id)).collect();
+                let is_new_view = self.chain.count() > keyframes;
+                let changes = self.live(sighting, &associated, &found, is_new_view);
+                Sighted { objects: renamed(ids, &changes), changes, refused: None }
+            }
             Err(refused) => {
                 self.graph.discard();
                 self.chain.truncate(keyframes);
                 self.objects.truncate(objects);
                 before.into_iter().rev().for_each(|(at, object)| self.objects[at] = object);
                 let objects = vec![None; sighting.observations.len()];
-                Sighted { objects, refused: Some(refused.to_string()) }
+                Sighted { objects, changes: Vec::new(), refused: Some(refused.to_string()) }
             }
         }
     }
 
-    /// What [`ObjectMap::observe`] does; `before` gets the objects that change, as they were.
+    /// The measurements' part of [`ObjectMap::observe`]; `before` gets the objects that change, as they were.
     fn join(
         &mut self,
-        sighting: &Sighting,
+        sighting: &Sighting<'_>,
         before: &mut Vec<(usize, MapObject)>,
-    ) -> Result<Vec<Option<ObjectId>>, Box<dyn std::error::Error>> {
+    ) -> Result<Joined, Box<dyn std::error::Error>> {
         let known = self.objects.len();
-        let Sighting { stamp, odom_from_base, odometry_covariance, observations } = sighting;
+        let Sighting { stamp, odom_from_base, odometry_covariance, observations, .. } = sighting;
         let covariance = odometry_covariance.as_deref();
+        let step = self.chain.step(&self.graph, odom_from_base, covariance, &self.slam);
         let at = (*stamp, odom_from_base);
         let thinned = {
             let waiting = |pose| self.initial.values().any(|views| views.are_from(pose));
@@ -114,43 +137,76 @@ impl ObjectMap {
         let mut loose: Vec<PoseId> = self.chain.last().into_iter().collect();
         let place = self.chain.keyframe(&mut self.graph, at, covariance, &self.slam)?;
         let map_from_base = place.map_from_base(&self.graph);
-        let mut found = self.associated(observations, &map_from_base);
-        for (observation, found) in observations.iter().zip(&mut found) {
-            // Another observation of this sighting may have begun it.
-            *found = found.or_else(|| self.tracked(observation));
-            if found.is_none() {
-                *found = self.begin(*stamp, observation, &place, &map_from_base)?;
-            }
-            let Some(at) = *found else { continue };
+        let associated = self.associated(sighting, step, (place.keyframe.pose, &map_from_base));
+        let mut found = Vec::with_capacity(observations.len());
+        for (observation, decision) in observations.iter().zip(&associated.decisions) {
+            let at = match decision {
+                Decision::Object(at) => Some(*at),
+                Decision::Wait => None,
+                // Another observation of this sighting may have begun it.
+                Decision::New => match self.tracked(observation) {
+                    Some(at) => Some(at),
+                    None => self.begin(*stamp, observation, &place, &map_from_base)?,
+                },
+            };
+            found.push(at);
+            let Some(at) = at else { continue };
             let object = &mut self.objects[at];
             before.extend((at < known).then(|| (at, object.clone())));
-            object.join(*stamp, observation, &map_from_base);
+            object.join(*stamp, observation, &map_from_base, &self.settings);
             loose.extend(object.tie(&mut self.graph, observation, &place, &self.slam)?);
         }
         self.graph.update()?;
         self.chain.forget(thinned);
         self.chain.note_loose(loose);
         self.refresh(found.iter().copied().flatten());
-        Ok(found.into_iter().map(|at| at.map(|at| self.objects[at].id)).collect())
+        Ok((associated, found))
     }
 
-    /// The object of each observation, as far as there is one.
-    fn associated(&self, observations: &[Observation], map_from_base: &Pose) -> Vec<Option<usize>> {
+    /// What each observation is taken for.
+    fn associated(
+        &self,
+        sighting: &Sighting<'_>,
+        step: Option<Step>,
+        (pose, map_from_base): (PoseId, &Pose),
+    ) -> Associated {
         if self.settings.association == Association::Given {
-            return observations.iter().map(|o| self.tracked(o)).collect();
+            let known = |o| self.tracked(o).map_or(Decision::New, Decision::Object);
+            return Associated::given(sighting.observations.iter().map(known).collect());
         }
-        let measured = observations.iter().enumerate().filter_map(|(at, o)| {
-            let ellipsoid = o.measured.as_ref()?.ellipsoid.transformed(map_from_base);
-            Some((at, (o.labels[0].0.as_str(), ellipsoid)))
+        let step = step.unwrap_or(Step {
+            pose: None,
+            map_from_pose: *map_from_base,
+            pose_from_base: Pose::identity(),
+            covariance: Matrix6::zeros(),
         });
-        let (places, measured): (Vec<usize>, Vec<(&str, Ellipsoid)>) = measured.unzip();
-        let mut found = vec![None; observations.len()];
-        for (at, object) in
-            places.iter().zip(associate(&self.objects, &measured, &self.settings.gate))
-        {
-            found[*at] = object;
-        }
-        found
+        let evidence = Evidence {
+            objects: &self.objects,
+            graph: &self.graph,
+            settings: &self.settings,
+            step: &step,
+            pose,
+            map_from_base,
+            view: sighting.view.as_ref(),
+        };
+        evidence.associate(&sighting.observations)
+    }
+
+    /// Which objects the boxes of a sighting show, without joining them: nothing where that is not clear, or where one
+    /// shows something new.
+    pub fn recognise(&self, sighting: &Sighting<'_>) -> Vec<Option<ObjectId>> {
+        let covariance = sighting.odometry_covariance.as_deref();
+        let step = self.chain.step(&self.graph, &sighting.odom_from_base, covariance, &self.slam);
+        let Some((pose, step)) = step.and_then(|step| Some((step.pose?, step))) else {
+            return vec![None; sighting.observations.len()];
+        };
+        let map_from_base = step.map_from_pose * step.pose_from_base;
+        let associated = self.associated(sighting, Some(step), (pose, &map_from_base));
+        let known = |decision| match decision {
+            Decision::Object(at) => Some(self.objects[at].id),
+            Decision::New | Decision::Wait => None,
+        };
+        associated.decisions.into_iter().map(known).collect()
     }
 
     /// The object of the same given identity.
@@ -195,7 +251,7 @@ impl ObjectMap {
         object.found(&mut self.graph, &initial, only_boxes, &self.slam)?;
         if let Some(views) = observation.track.and_then(|track| self.initial.remove(&track)) {
             for (place, view) in views.earlier() {
-                object.join(stamp, view, map_from_base);
+                object.join(stamp, view, map_from_base, &self.settings);
                 object.tie(&mut self.graph, view, place, &self.slam)?;
             }
         }
@@ -204,7 +260,7 @@ impl ObjectMap {
     }
 
     /// Takes over what the graph says now.
-    fn refresh(&mut self, seen: impl Iterator<Item = usize>) {
+    pub(super) fn refresh(&mut self, seen: impl Iterator<Item = usize>) {
         self.objects.iter_mut().for_each(|object| object.take_estimate(&self.graph));
         for at in seen {
             self.objects[at].take_covariance(&self.graph, &self.slam);
@@ -244,16 +300,28 @@ impl ObjectMap {
         self.chain.kept()
     }
 
-    /// Objects with enough measurements, in the order in which they were first seen.
+    /// Objects that count, in the order in which they were first seen.
     pub fn confirmed(&self) -> impl Iterator<Item = &MapObject> {
-        let needed = self.settings.min_observations;
-        self.objects.iter().filter(move |o| o.observations >= needed)
+        self.objects.iter().filter(|object| object.counts())
     }
 
     /// All objects, also those seen too seldom to count.
     pub fn all(&self) -> &[MapObject] {
         &self.objects
     }
+}
+
+/// What was decided about a sighting, and the object of each observation.
+type Joined = (Associated, Vec<Option<usize>>);
+
+/// Identities after merges.
+fn renamed(mut ids: Vec<Option<ObjectId>>, changes: &[ObjectChange]) -> Vec<Option<ObjectId>> {
+    for change in changes {
+        if let ObjectChange::Merged { kept, gone } = change {
+            ids.iter_mut().flatten().filter(|id| **id == *gone).for_each(|id| *id = *kept);
+        }
+    }
+    ids
 }
 
 const MAX_FINAL_ITERATIONS: usize = 20;

@@ -1,7 +1,8 @@
 //! What a keyframe brings to the map.
 
+use super::View;
 use crate::{
-    geometry::{Ellipsoid, Outline, Plane, Pose},
+    geometry::{Ellipsoid, Outline, Plane, Pose, Rect},
     graph::BoxSide,
     time::Stamp,
 };
@@ -9,15 +10,17 @@ use nalgebra::SMatrix;
 
 /// Where the robot was and what it saw.
 #[derive(Clone, Debug)]
-pub struct Sighting {
+pub struct Sighting<'a> {
     /// When.
     pub stamp: Stamp,
     /// Pose of the base, by odometry.
     pub odom_from_base: Pose,
     /// Its covariance as in `geometry_msgs/PoseWithCovariance`, where odometry says it.
     pub odometry_covariance: Option<Box<[f64; 36]>>,
-    /// One for each box.
+    /// One for each box of the detector. None at all means that it looked and found nothing.
     pub observations: Vec<Observation>,
+    /// The image, which tells what should have been seen; without it nothing is ever missed.
+    pub view: Option<View<'a>>,
 }
 
 /// What was seen of one object.
@@ -29,7 +32,9 @@ pub struct Observation {
     pub track: Option<u64>,
     /// What fills the extents of objects of this class.
     pub outline: Outline,
-    /// The detector's box.
+    /// The detector's box (px), where there is a [`Sighting::view`].
+    pub rect: Option<Rect>,
+    /// The sides of that box.
     pub sides: ObservedBox,
     /// The ellipsoid of this one frame, if there is one.
     pub measured: Option<Measured>,

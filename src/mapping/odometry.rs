@@ -1,9 +1,9 @@
 //! The chain of keyframe poses.
 
-use super::SlamSettings;
+use super::{SlamSettings, gate::Step};
 use crate::{
     geometry::{Pose, adjoint, interpolate},
-    graph::{Graph, Noise, NoiseError, PoseId, PosePrior, RelativePose, step_covariance},
+    graph::{FactorId, Graph, Noise, NoiseError, PoseId, PosePrior, RelativePose, step_covariance},
     time::Stamp,
 };
 use nalgebra::Matrix6;
@@ -19,35 +19,41 @@ struct Keyframe {
     odom_from_base: Pose,
     covariance: Option<Box<[f64; 36]>>,
     /// From the keyframe before, unless it is held by a prior.
-    step: Option<Step>,
+    leg: Option<Leg>,
+}
+
+/// Which keyframe something was seen from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct KeyframeId {
+    pub(super) pose: PoseId,
+    /// How many keyframes there had been before.
+    pub(super) number: usize,
 }
 
 /// Where the robot is, from a keyframe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    pub(super) pose: PoseId,
-    /// How many keyframes there had been before that one.
-    pub(super) number: usize,
+    pub(super) keyframe: KeyframeId,
     pub(super) keyframe_from_base: Pose,
 }
 
 impl Place {
     pub(super) fn map_from_base(&self, graph: &Graph) -> Pose {
-        graph.pose(self.pose) * self.keyframe_from_base
+        graph.pose(self.keyframe.pose) * self.keyframe_from_base
     }
 }
 
 /// The way between two keyframes, by odometry.
 #[derive(Clone, Debug)]
-struct Step {
+struct Leg {
     from_from_to: Pose,
     /// Of `[rotation, translation]`, a right perturbation.
     covariance: Matrix6<f64>,
 }
 
-impl Step {
-    /// This step, and then another one.
-    fn then(&self, next: &Step) -> Self {
+impl Leg {
+    /// This one, and then another one.
+    fn then(&self, next: &Leg) -> Self {
         let carried = adjoint(&next.from_from_to.inverse());
         Self {
             from_from_to: self.from_from_to * next.from_from_to,
@@ -67,6 +73,10 @@ pub(super) struct Chain {
     count: usize,
     /// Those that may have become superfluous.
     loose: VecDeque<PoseId>,
+    /// What holds the first pose where the map was defined to begin.
+    anchor: Option<FactorId>,
+    /// Where the map was moved to since it was odometry's frame.
+    moved: Pose,
 }
 
 impl Chain {
@@ -84,23 +94,28 @@ impl Chain {
             let still = step.translation.vector.norm() < settings.min_translation_m
                 && step.rotation.angle() < settings.min_rotation_deg.to_radians();
             if still {
-                let Keyframe { pose, number, .. } = *last;
-                return Ok(Place { pose, number, keyframe_from_base: step });
+                let keyframe = KeyframeId { pose: last.pose, number: last.number };
+                return Ok(Place { keyframe, keyframe_from_base: step });
             }
         }
         let pose = graph.add_pose(self.map_from_odom(graph) * odom_from_base);
-        let step = match last.filter(|_| settings.optimize_poses) {
+        let leg = match last.filter(|_| settings.optimize_poses) {
             None => {
-                graph.add_factor(PosePrior::new(pose, *odom_from_base, Noise::from_sigmas(KNOWN)?));
+                let held = self.moved * odom_from_base;
+                let anchor =
+                    graph.add_factor(PosePrior::new(pose, held, Noise::from_sigmas(KNOWN)?));
+                if self.keyframes.is_empty() && settings.optimize_poses {
+                    self.anchor = Some(anchor);
+                }
                 None
             }
             Some((last, step)) => {
                 let from = (&last.odom_from_base, last.covariance.as_deref());
                 let (noise, _) =
                     step_covariance(from, (odom_from_base, covariance), &settings.motion);
-                let step = Step { from_from_to: step, covariance: noise };
-                tie(graph, (last.pose, pose), &step)?;
-                Some(step)
+                let leg = Leg { from_from_to: step, covariance: noise };
+                tie(graph, (last.pose, pose), &leg)?;
+                Some(leg)
             }
         };
         let number = self.count;
@@ -110,10 +125,30 @@ impl Chain {
             pose,
             odom_from_base: *odom_from_base,
             covariance: covariance.map(|c| Box::new(*c)),
-            step,
+            leg,
         });
         self.count += 1;
-        Ok(Place { pose, number, keyframe_from_base: Pose::identity() })
+        let keyframe = KeyframeId { pose, number };
+        Ok(Place { keyframe, keyframe_from_base: Pose::identity() })
+    }
+
+    /// The way from the last keyframe to a pose of odometry; nothing before the first one.
+    pub(super) fn step(
+        &self,
+        graph: &Graph,
+        odom_from_base: &Pose,
+        covariance: Option<&[f64; 36]>,
+        settings: &SlamSettings,
+    ) -> Option<Step> {
+        let last = self.keyframes.last()?;
+        let from = (&last.odom_from_base, last.covariance.as_deref());
+        let (noise, _) = step_covariance(from, (odom_from_base, covariance), &settings.motion);
+        Some(Step {
+            pose: Some(last.pose),
+            map_from_pose: graph.pose(last.pose),
+            pose_from_base: last.odom_from_base.inv_mul(odom_from_base),
+            covariance: noise,
+        })
     }
 
     /// Notes keyframes that may have become superfluous: measurements from them were forgotten, or they are no longer
@@ -139,7 +174,7 @@ impl Chain {
             };
             let (before, here) = (&self.keyframes[at], &self.keyframes[at + 1]);
             let Some(next) = self.keyframes.get(at + 2) else { continue };
-            let own = if here.step.is_some() { 2 } else { 1 };
+            let own = if here.leg.is_some() { 2 } else { 1 };
             let is_known = thinned.iter().any(|t| t.pose == pose);
             if is_known || graph.degree(pose) != own || is_needed(pose) {
                 continue;
@@ -150,21 +185,21 @@ impl Chain {
                 continue;
             }
             graph.remove_variable(pose);
-            let step = here.step.as_ref().zip(next.step.as_ref()).map(|(to, on)| to.then(on));
-            if let Some(step) = &step {
-                tie(graph, (before.pose, next.pose), step)?;
+            let leg = here.leg.as_ref().zip(next.leg.as_ref()).map(|(to, on)| to.then(on));
+            if let Some(leg) = &leg {
+                tie(graph, (before.pose, next.pose), leg)?;
             }
-            thinned.push(Thinned { pose, next: next.pose, step });
+            thinned.push(Thinned { pose, next: next.pose, leg });
         }
         Ok(thinned)
     }
 
     /// Forgets what [`Chain::thin`] has taken out.
     pub(super) fn forget(&mut self, thinned: Vec<Thinned>) {
-        for Thinned { pose, next, step } in thinned {
+        for Thinned { pose, next, leg } in thinned {
             self.keyframes.retain(|k| k.pose != pose);
             let next = self.keyframes.iter_mut().find(|k| k.pose == next);
-            next.into_iter().for_each(|k| k.step.clone_from(&step));
+            next.into_iter().for_each(|k| k.leg.clone_from(&leg));
         }
     }
 
@@ -201,22 +236,55 @@ impl Chain {
     ) -> Option<Matrix6<f64>> {
         let last = self.keyframes.last()?;
         let known = graph.covariance(&[last.pose.into()]).fixed_view::<6, 6>(0, 0).into_owned();
-        let step = last.odom_from_base.inv_mul(odom_from_base);
-        let moved = adjoint(&step.inverse());
-        let from = (&last.odom_from_base, None);
-        let (grown, _) = step_covariance(from, (odom_from_base, None), &settings.motion);
-        Some(moved * known * moved.transpose() + grown)
+        let step = self.step(graph, odom_from_base, None, settings)?;
+        let moved = adjoint(&step.pose_from_base.inverse());
+        Some(moved * known * moved.transpose() + step.covariance)
+    }
+
+    /// The first pose.
+    pub(super) fn first(&self, graph: &Graph) -> Option<Pose> {
+        self.keyframes.first().map(|first| graph.pose(first.pose))
+    }
+
+    /// The last keyframe's pose.
+    pub(super) fn last(&self) -> Option<PoseId> {
+        self.keyframes.last().map(|k| k.pose)
+    }
+
+    /// The last pose that is not later than a stamp.
+    pub(super) fn at(&self, stamp: Stamp) -> Option<PoseId> {
+        let after = self.keyframes.partition_point(|keyframe| keyframe.stamp <= stamp);
+        after.checked_sub(1).map(|at| self.keyframes[at].pose)
+    }
+
+    /// When there were so many keyframes less than now.
+    pub(super) fn stamp_before(&self, keyframes: usize) -> Option<Stamp> {
+        let number = self.count.checked_sub(keyframes + 1)?;
+        let after = self.keyframes.partition_point(|keyframe| keyframe.number <= number);
+        after.checked_sub(1).map(|at| self.keyframes[at].stamp)
+    }
+
+    /// The map has moved.
+    pub(super) fn move_map(&mut self, new_from_old: &Pose) {
+        self.moved = new_from_old * self.moved;
+    }
+
+    /// Something else says from now on where the map is: the first pose is only held upright.
+    pub(super) fn loosen(&mut self, graph: &mut Graph) {
+        let (Some(anchor), Some(first)) = (self.anchor.take(), self.keyframes.first()) else {
+            return;
+        };
+        graph.remove_factor(anchor);
+        if let Ok(noise) = Noise::from_sigmas(UPRIGHT) {
+            graph.add_factor(PosePrior::new(first.pose, graph.pose(first.pose), noise));
+        }
     }
 
     /// Forgets all keyframes but the first so many.
     pub(super) fn truncate(&mut self, count: usize) {
         self.keyframes.retain(|k| k.number < count);
         self.count = count;
-    }
-
-    /// The last keyframe's pose.
-    pub(super) fn last(&self) -> Option<PoseId> {
-        self.keyframes.last().map(|k| k.pose)
+        self.anchor = self.anchor.filter(|_| count > 0);
     }
 
     /// How many keyframes there have been.
@@ -236,12 +304,12 @@ pub(super) struct Thinned {
     pose: PoseId,
     next: PoseId,
     /// To the next one from the one before, where odometry ties them.
-    step: Option<Step>,
+    leg: Option<Leg>,
 }
 
-fn tie(graph: &mut Graph, (from, to): (PoseId, PoseId), step: &Step) -> Result<(), NoiseError> {
-    let noise = Noise::from_covariance(&step.covariance)?;
-    graph.add_factor(RelativePose::new(from, to, &step.from_from_to, noise));
+fn tie(graph: &mut Graph, (from, to): (PoseId, PoseId), leg: &Leg) -> Result<(), NoiseError> {
+    let noise = Noise::from_covariance(&leg.covariance)?;
+    graph.add_factor(RelativePose::new(from, to, &leg.from_from_to, noise));
     Ok(())
 }
 
@@ -249,6 +317,8 @@ fn correction(graph: &Graph, keyframe: &Keyframe) -> Pose {
     graph.pose(keyframe.pose) * keyframe.odom_from_base.inverse()
 }
 
+/// A robot stands upright; the rest is open (rad, m).
+const UPRIGHT: [f64; 6] = [1e-3, 1e-3, 1.0, 1.0, 1.0, 1.0];
 /// Where the map begins is a matter of definition (rad, m).
 const KNOWN: [f64; 6] = [1e-4; 6];
 /// In one update. One keyframe comes with it, so that this catches up.

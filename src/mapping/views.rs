@@ -1,8 +1,10 @@
 //! The views that an object was measured from, and what similar ones are worth together.
 
-use super::{SlamSettings, odometry::Place};
-use crate::graph::{EllipsoidObservation, FactorId, Graph, NoiseError, PoseId};
-use nalgebra::Point3;
+use super::{SlamSettings, odometry::KeyframeId};
+use crate::{
+    geometry::Pose,
+    graph::{EllipsoidId, EllipsoidObservation, FactorId, Graph, NoiseError, PoseId},
+};
 use std::{cmp::Reverse, collections::BTreeMap};
 
 /// Factors of one object by the direction it was seen from.
@@ -12,18 +14,17 @@ pub(super) struct Views {
 }
 
 #[derive(Clone, Debug)]
-struct View {
-    pose: PoseId,
-    /// The keyframe's.
-    number: usize,
+pub(super) struct View {
+    /// The keyframe it was made from.
+    pub(super) keyframe: KeyframeId,
     /// With all the information that the measurement claims.
-    factor: EllipsoidObservation,
+    pub(super) factor: EllipsoidObservation,
     in_graph: FactorId,
 }
 
 impl Views {
-    /// Adds a measurement that was made from a keyframe, with the eye in the object's frame. Returns the keyframe whose
-    /// measurement was forgotten for it, if one was.
+    /// Adds a measurement that was made from a keyframe of an object that is turned and placed as `map_from_object`.
+    /// Returns the pose whose measurement was forgotten for it, if one was.
     ///
     /// Measurements from one direction see the same side and are wrong alike: if their errors have correlation `rho`,
     /// `n` of them are worth `n / (1 + (n - 1) rho)` independent ones. So each gets that share of its information,
@@ -32,10 +33,12 @@ impl Views {
     pub(super) fn add(
         &mut self,
         graph: &mut Graph,
-        eye: &Point3<f64>,
-        (place, factor): (&Place, EllipsoidObservation),
+        map_from_object: &Pose,
+        (keyframe, factor): (KeyframeId, EllipsoidObservation),
         settings: &SlamSettings,
     ) -> Result<Option<PoseId>, NoiseError> {
+        let eye = graph.pose(keyframe.pose).translation.vector.into();
+        let eye = map_from_object.inverse_transform_point(&eye);
         let bearing = eye.y.atan2(eye.x) / settings.similar_views_deg.to_radians();
         let sector = self.sectors.entry(bearing.round() as i64).or_default();
         let share = |count: usize| {
@@ -52,8 +55,37 @@ impl Views {
             }
         }
         let in_graph = graph.add_factor(factor.clone().scaled(now)?);
-        sector.push(View { pose: place.pose, number: place.number, factor, in_graph });
-        Ok(forgotten.map(|view| view.pose))
+        sector.push(View { keyframe, factor, in_graph });
+        Ok(forgotten.map(|view| view.keyframe.pose))
+    }
+
+    /// All of them, by direction.
+    pub(super) fn all(&self) -> impl Iterator<Item = &View> {
+        self.sectors.values().flatten()
+    }
+
+    /// Takes some out, with their factors.
+    pub(super) fn take(&mut self, graph: &mut Graph, views: &[View]) {
+        views.iter().for_each(|view| graph.remove_factor(view.in_graph));
+        for sector in self.sectors.values_mut() {
+            sector.retain(|view| views.iter().all(|taken| taken.in_graph != view.in_graph));
+        }
+    }
+
+    /// Adds the views that another object had. Returns the poses whose measurements were forgotten for them.
+    pub(super) fn join(
+        &mut self,
+        graph: &mut Graph,
+        (variable, map_from_object): (EllipsoidId, &Pose),
+        views: Vec<View>,
+        settings: &SlamSettings,
+    ) -> Result<Vec<PoseId>, NoiseError> {
+        let mut forgotten = Vec::new();
+        for View { keyframe, factor, .. } in views {
+            let view = (keyframe, factor.of(variable));
+            forgotten.extend(self.add(graph, map_from_object, view, settings)?);
+        }
+        Ok(forgotten)
     }
 }
 
@@ -62,8 +94,8 @@ impl Views {
 /// keyframes for all objects, so that few poses have to be kept.
 fn least_needed(views: &[View]) -> Option<usize> {
     let need = |view: &View| {
-        let alike = views.iter().filter(|other| other.pose == view.pose).count();
-        (Reverse(alike), view.number.trailing_zeros())
+        let alike = views.iter().filter(|other| other.keyframe == view.keyframe).count();
+        (Reverse(alike), view.keyframe.number.trailing_zeros())
     };
     let least = (0..views.len()).min_by_key(|at| need(&views[*at]));
     least.filter(|_| views.len() == MAX_SIMILAR)

@@ -2,7 +2,7 @@
 
 use super::SyncSettings;
 use crate::{
-    mapping::{MappingSettings, SlamSettings},
+    mapping::{MappingSettings, RelocalisationSettings, SlamSettings},
     perception::{DepthNoise, PerceptionSettings},
 };
 use serde::{Deserialize, Serialize};
@@ -21,4 +21,6 @@ pub struct Settings {
     pub mapping: MappingSettings,
     /// The graph of poses and objects.
     pub slam: SlamSettings,
+    /// Recognising a place by its objects.
+    pub relocalisation: RelocalisationSettings,
 }

@@ -8,7 +8,8 @@ use crate::{
     geometry::{Camera, Pose, Rect},
     graph::BoxSide,
     mapping::{
-        MapObject, Measured, ObjectId, ObjectMap, Observation, ObservedBox, Sighting, SlamSettings,
+        Continuation, MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation,
+        ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View,
     },
     perception::{
         DepthImage, Detection, EllipsoidMeasurement, Frame, Rays, Refused, Stage, StageObserver,
@@ -25,8 +26,12 @@ pub struct Update {
     pub poses: Vec<FramePose>,
     /// Images whose boxes were worked on.
     pub keyframes: Vec<Keyframe>,
+    /// What happened to objects of the map, in order.
+    pub changes: Vec<ObjectChange>,
     /// Messages that could not be used.
     pub dropped: Vec<Dropped>,
+    /// The place in the saved map was recognised: from now on poses and objects are in its frame.
+    pub relocalised: Option<Relocalised>,
 }
 
 /// Where the base was when a depth image was taken.
@@ -72,6 +77,8 @@ pub struct ObjectSlam {
     settings: Settings,
     sync: Sync,
     map: ObjectMap,
+    /// The saved map, as long as the place in it is not known.
+    waiting: Option<Continuation>,
     color_rays: Option<Rays>,
     depth_rays: Option<Rays>,
 }
@@ -80,14 +87,30 @@ impl ObjectSlam {
     /// An empty map.
     pub fn new(settings: Settings) -> Self {
         let sync = Sync::new(settings.sync.clone());
-        let map = ObjectMap::new(settings.mapping, settings.slam);
-        Self { settings, sync, map, color_rays: None, depth_rays: None }
+        let map = ObjectMap::new(settings.mapping.clone(), settings.slam);
+        Self { settings, sync, map, waiting: None, color_rays: None, depth_rays: None }
+    }
+
+    /// Continues a saved map. `start` is `map_from_base` at the first frame, if it is known about.
+    ///
+    /// Until the place in the saved map is recognised, the map is odometry's frame at the first frame and has only what
+    /// was seen since.
+    pub fn continuing(settings: Settings, saved: SavedMap, start: Option<Pose>) -> Self {
+        let Self { settings, sync, map, .. } = Self::new(settings);
+        let map = map.continuing(&saved);
+        let waiting = Some(Continuation::new(saved, start, settings.relocalisation));
+        Self { settings, sync, map, waiting, color_rays: None, depth_rays: None }
+    }
+
+    /// The saved map that the place was not recognised in yet, and why not.
+    pub fn waiting(&self) -> Option<&Continuation> {
+        self.waiting.as_ref()
     }
 
     /// From now on these settings count; what is in the map stays.
     pub fn change_settings(&mut self, settings: Settings) {
         self.sync.change_settings(settings.sync.clone());
-        self.map.change_settings(settings.mapping, settings.slam);
+        self.map.change_settings(settings.mapping.clone(), settings.slam);
         self.settings = settings;
     }
 
@@ -105,6 +128,7 @@ impl ObjectSlam {
         let mut update = Update::default();
         self.work(true, &mut update, observer);
         self.map.finish();
+        self.relocalise(true, &mut update);
         update.dropped.extend(self.sync.leftovers());
         update
     }
@@ -134,12 +158,13 @@ impl ObjectSlam {
         while let Some(mut moment) = self.sync.next(last, &mut update.dropped) {
             let (stamp, odom_from_base) = (moment.depth.stamp, moment.odom_from_base);
             if let Some(detections) = moment.detections.take() {
-                let keyframe = self.keyframe(moment, detections, &mut update.dropped, observer);
+                let keyframe = self.keyframe(moment, detections, update, observer);
                 observer.enter(None);
                 match keyframe {
                     Ok(keyframe) => update.keyframes.push(keyframe),
                     Err(dropped) => update.dropped.push(dropped),
                 }
+                self.relocalise(false, update);
             }
             update.poses.push(FramePose {
                 stamp,
@@ -150,12 +175,25 @@ impl ObjectSlam {
         }
     }
 
+    /// Looks whether the saved map can be entered, or a loop closed, by now.
+    fn relocalise(&mut self, is_last: bool, update: &mut Update) {
+        let Some(waiting) = &mut self.waiting else {
+            update.changes.extend(self.map.close_loop(&self.settings.relocalisation));
+            return;
+        };
+        if let Some((found, changes)) = waiting.attempt(&mut self.map, is_last) {
+            self.waiting = None;
+            update.relocalised = Some(found);
+            update.changes.extend(changes);
+        }
+    }
+
     /// Liao et al. 2020, figure 2: depth and boxes become ellipsoids (section IV), which join the map (section V).
     fn keyframe(
         &mut self,
         moment: Moment,
         detections: Vec<Detection>,
-        dropped: &mut Vec<Dropped>,
+        update: &mut Update,
         observer: &mut dyn StageObserver,
     ) -> Result<Keyframe, Dropped> {
         let stamp = moment.depth.stamp;
@@ -174,6 +212,7 @@ impl ObjectSlam {
             labels: detection.hypotheses().to_vec(),
             track: detection.track,
             outline: self.settings.perception.classes.prior(detection.label()).outline,
+            rect: Some(detection.rect),
             sides: observed_box(detection, camera, &moment.base_from_camera, &self.settings.slam),
             measured: found.as_ref().ok().map(|m| in_base(m, &moment.base_from_camera)),
         });
@@ -182,8 +221,16 @@ impl ObjectSlam {
             odom_from_base: moment.odom_from_base,
             odometry_covariance: moment.odometry_covariance,
             observations: seen.collect(),
+            view: Some(View {
+                base_from_camera: moment.base_from_camera,
+                camera,
+                depth: &depth,
+                noise: self.settings.depth_noise,
+                max_range_m: self.settings.perception.segmentation.max_range_m,
+            }),
         });
-        dropped.extend(sighted.refused.map(|why| Dropped { stamp, reason: "graph", why }));
+        update.changes.extend(sighted.changes);
+        update.dropped.extend(sighted.refused.map(|why| Dropped { stamp, reason: "graph", why }));
         let map_from_camera = self.map.map_from_odom() * odom_from_camera;
         let boxes = detections
             .into_iter()

@@ -111,6 +111,7 @@ impl Publication {
         for keyframe in &update.keyframes {
             self.keyframe(keyframe, &mut out);
         }
+        self.changed |= !update.changes.is_empty() || update.relocalised.is_some();
         let newest = update.poses.iter().map(|pose| pose.stamp).max();
         if let Some(stamp) = newest.filter(|stamp| self.changed && self.is_due(*stamp)) {
             self.map(stamp, slam, &mut out);

@@ -169,6 +169,10 @@ fn mapping(status: &Status, overflow: Overflow) -> Vec<(String, String)> {
     .into_iter()
     .map(|(key, value)| (key.to_owned(), value))
     .collect::<Vec<_>>();
+    let unrecognised = status.unrecognised.iter();
+    values.extend(
+        unrecognised.map(|why| ("loaded map".into(), format!("not recognised yet: {why}"))),
+    );
     let dropped = status.dropped.iter();
     values.extend(dropped.map(|(reason, (n, _))| (format!("dropped: {reason}"), n.to_string())));
     let skipped = status.skipped.iter();

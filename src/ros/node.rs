@@ -16,7 +16,7 @@ use super::{
     services::serve_map,
     status::Shared,
     subscriptions::{Listening, Subscriptions},
-    worker::{SaveMap, Worker},
+    worker::{MapFiles, Worker},
 };
 use crate::{
     config::{NodeSettings, Parameters, RosArguments},
@@ -71,7 +71,7 @@ pub fn run_node(
     domain: DdsDomain,
     arguments: &RosArguments,
     parameters: Parameters,
-    save_map: SaveMap,
+    files: MapFiles,
 ) -> Result<(), NodeError> {
     let runtime = runtime::Builder::new_current_thread().enable_all().build()?;
     let context = domain.join()?;
@@ -86,7 +86,7 @@ pub fn run_node(
         .map_err(|e| NodeError::Create { what: name.clone(), problem: e.to_string() })?;
     let tasks = LocalSet::new();
     let mut start = Start { context: &context, node, arguments, tasks: &tasks };
-    let running = start.everything(parameters, save_map)?;
+    let running = start.everything(parameters, files)?;
     tracing::info!("{name} runs in domain {}", domain.id);
     let outcome = runtime.block_on(tasks.run_until(running.until_stopped()));
     drop(runtime);
@@ -115,7 +115,7 @@ impl Start<'_> {
     fn everything(
         &mut self,
         parameters: Parameters,
-        save_map: SaveMap,
+        files: MapFiles,
     ) -> Result<Running, NodeError> {
         let status = Shared::default();
         let inbox = Arc::new(Inbox::new(MOST_DEPTH));
@@ -135,7 +135,7 @@ impl Start<'_> {
             )?,
             inbox: Arc::clone(&inbox),
             status: status.clone(),
-            save_map,
+            files,
             paused: false,
         };
         let tf = publisher(&mut self.node, &self.arguments.resolve("/tf"), qos::tf())?;

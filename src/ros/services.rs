@@ -6,7 +6,9 @@ use crate::{
     msg::{
         Service,
         cdr::encoded_len,
-        ellipsoid_slam::{QueryObjects, QueryObjectsResponse, SaveMap, SaveMapResponse},
+        ellipsoid_slam::{
+            LoadMap, LoadMapResponse, QueryObjects, QueryObjectsResponse, SaveMap, SaveMapResponse,
+        },
         std_srvs::{SetBool, SetBoolResponse, Trigger, TriggerResponse},
     },
 };
@@ -44,6 +46,16 @@ pub(super) fn serve_map(
     serve::<SaveMap, _>(node, &name("save_map"), tasks, move |request| {
         let answer = ask(&worker, |answer| Command::Save(request.path, answer));
         async { answered(answer.await, |success, message| SaveMapResponse { success, message }) }
+    })?;
+    let worker = Arc::clone(inbox);
+    serve::<LoadMap, _>(node, &name("load_map"), tasks, move |request| {
+        let answer = ask(&worker, |answer| Command::Load(request.path, answer));
+        async {
+            match answer.await.unwrap_or_else(|_| Err(STOPPING.into())) {
+                Ok(objects) => LoadMapResponse { success: true, message: String::new(), objects },
+                Err(message) => LoadMapResponse { success: false, message, objects: 0 },
+            }
+        }
     })?;
     let worker = Arc::clone(inbox);
     serve::<QueryObjects, _>(node, &name("query_objects"), tasks, move |request| {

@@ -2,7 +2,7 @@
 
 use crate::{
     msg::{SkipCount, Skipped, convert::ConvertError},
-    pipeline::Update,
+    pipeline::{ObjectSlam, Update},
     time::Stamp,
 };
 use std::{
@@ -30,6 +30,8 @@ pub(super) struct Status {
     pub(super) frames: u64,
     /// Objects in the map.
     pub(super) objects: usize,
+    /// Why the place in the loaded map is not recognised yet.
+    pub(super) unrecognised: Option<String>,
     /// How long the worker took for the latest keyframe, and the longest since it was asked for.
     pub(super) keyframe_time: Duration,
     pub(super) longest_keyframe: Duration,
@@ -85,9 +87,13 @@ impl Shared {
     }
 
     /// The worker has worked.
-    pub(super) fn worked(&self, update: &Update, objects: usize, took: Duration) {
+    pub(super) fn worked(&self, update: &Update, slam: &ObjectSlam, took: Duration) {
         let mut status = self.lock();
-        status.objects = objects;
+        status.objects = slam.objects().count();
+        status.unrecognised = slam.waiting().map(|waiting| waiting.why().to_string());
+        if update.relocalised.is_some() {
+            tracing::info!("the place in the loaded map is recognised");
+        }
         status.frames += update.poses.len() as u64;
         status.keyframes += update.keyframes.len() as u64;
         if !update.keyframes.is_empty() {

@@ -7,12 +7,17 @@ use super::{
 };
 use crate::{
     config::Parameters,
+    mapping::SavedMap,
     msg::ellipsoid_slam::{QueryObjectsRequest, QueryObjectsResponse},
     perception::{Stage, StageObserver},
-    pipeline::ObjectSlam,
+    pipeline::{ObjectSlam, Update},
     time::Stamp,
 };
-use std::{path::Path, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Duration,
+};
 use tokio::sync::oneshot;
 
 /// What was done, or why not.
@@ -26,14 +31,23 @@ pub(super) enum Command {
     Pause(bool, Answer),
     /// Write the map to a file; empty: the parameter `map.file`.
     Save(String, Answer),
+    /// Put the map of a file in place of this one; empty: the parameter `map.file`. How many objects it has.
+    Load(String, oneshot::Sender<Result<u32, String>>),
     /// Look objects up.
     Query(Box<QueryObjectsRequest>, oneshot::Sender<QueryObjectsResponse>),
     /// Parameters changed.
     Settings(Box<Parameters>),
 }
 
-/// Writes a map into a file. Handed in, because files are the shell's business.
-pub type SaveMap = Box<dyn FnMut(&ObjectSlam, &Path) -> Result<(), String> + Send>;
+/// Maps of files. Handed in, because files are the shell's business; what goes wrong is said in a sentence.
+pub struct MapFiles {
+    /// The map that the node begins with.
+    pub at_start: Option<SavedMap>,
+    /// Reads a file.
+    pub load: Box<dyn FnMut(&Path) -> Result<SavedMap, String> + Send>,
+    /// Writes a file.
+    pub save: Box<dyn FnMut(&Path, &SavedMap) -> Result<(), String> + Send>,
+}
 
 /// The core with what surrounds it on its thread.
 pub(super) struct Worker {
@@ -42,13 +56,16 @@ pub(super) struct Worker {
     pub(super) outputs: Outputs,
     pub(super) inbox: Arc<Inbox>,
     pub(super) status: Shared,
-    pub(super) save_map: SaveMap,
+    pub(super) files: MapFiles,
     pub(super) paused: bool,
 }
 
 impl Worker {
     /// Works until the inbox is closed and empty; saves the map then, if a parameter says so.
     pub(super) fn run(mut self) {
+        if let Some(saved) = self.files.at_start.take() {
+            self.begin_with(saved);
+        }
         while let Some(work) = self.inbox.take() {
             match work {
                 Work::Input(_) if self.paused => (),
@@ -57,8 +74,7 @@ impl Worker {
                     self.outputs.hear(&input);
                     let update = self.slam.handle(input, &mut Unobserved);
                     self.outputs.publish(&update, &self.slam);
-                    let objects = self.slam.objects().count();
-                    self.status.worked(&update, objects, now() - started);
+                    self.status.worked(&update, &self.slam, now() - started);
                 }
                 Work::Command(command) => self.obey(command),
             }
@@ -84,6 +100,10 @@ impl Worker {
                 (answer, Ok(said.into()))
             }
             Command::Save(path, answer) => (answer, self.save(&path)),
+            Command::Load(path, answer) => {
+                let _ = answer.send(self.load(&path));
+                return;
+            }
             Command::Query(request, answer) => {
                 let response = self.outputs.query(&request, &self.slam, self.now());
                 let _ = answer.send(response);
@@ -102,10 +122,20 @@ impl Worker {
 
     fn reset(&mut self) -> Result<String, String> {
         let was = self.slam.objects().count();
-        self.slam = ObjectSlam::new(self.parameters.slam.clone());
-        self.outputs.reset(self.now(), &self.slam);
-        self.status.lock().objects = 0;
+        self.begin(ObjectSlam::new(self.parameters.slam.clone()));
         Ok(format!("{was} objects forgotten"))
+    }
+
+    /// A saved map, once the place in it is recognised.
+    fn begin_with(&mut self, saved: SavedMap) {
+        tracing::info!("a map of {} objects is loaded", saved.objects.len());
+        self.begin(ObjectSlam::continuing(self.parameters.slam.clone(), saved, None));
+    }
+
+    fn begin(&mut self, slam: ObjectSlam) {
+        self.slam = slam;
+        self.outputs.reset(self.now(), &self.slam);
+        self.status.worked(&Update::default(), &self.slam, Duration::ZERO);
     }
 
     /// The present of the data that the map is made of.
@@ -115,14 +145,45 @@ impl Worker {
     }
 
     fn save(&mut self, given: &str) -> Result<String, String> {
+        let path = self.path(given)?;
+        let seen = SavedMap::of(self.slam.objects(), &self.parameters.node.map_frame);
+        let count = seen.objects.len();
+        let Some(waiting) = self.slam.waiting() else {
+            (self.files.save)(&path, &seen)?;
+            return Ok(format!("{count} objects saved in {}", path.display()));
+        };
+        // The two maps are in frames of their own: neither may be lost for the other.
+        let local = path.with_file_name(LOCAL_MAP);
+        (self.files.save)(&path, waiting.saved())?;
+        (self.files.save)(&local, &SavedMap { frame_id: "local_map".into(), ..seen })?;
+        Ok(format!(
+            "the place in the loaded map was not recognised ({}): that map is saved in {} as it was, \
+             and {count} objects seen since in {}",
+            waiting.why(),
+            path.display(),
+            local.display()
+        ))
+    }
+
+    fn load(&mut self, given: &str) -> Result<u32, String> {
+        let path = self.path(given)?;
+        let saved = (self.files.load)(&path)?;
+        let count = u32::try_from(saved.objects.len()).unwrap_or(u32::MAX);
+        self.begin_with(saved);
+        Ok(count)
+    }
+
+    fn path(&self, given: &str) -> Result<PathBuf, String> {
         let path = if given.is_empty() { &self.parameters.node.map.file } else { given };
         if path.is_empty() {
             return Err("no path was given, and the parameter map.file is empty".into());
         }
-        (self.save_map)(&self.slam, Path::new(path))?;
-        Ok(format!("{} objects saved in {path}", self.slam.objects().count()))
+        Ok(PathBuf::from(path))
     }
 }
+
+/// Beside the loaded map, as `replay` names it.
+const LOCAL_MAP: &str = "local_map.json";
 
 /// Nobody times the stages here: diagnostics have the time of whole keyframes.
 struct Unobserved;

@@ -4,6 +4,7 @@
 //! triangles. Sensor, detector and odometry then spoil the truth by as much as [`SimulationSettings`] say.
 //! Nothing here writes files: whoever wants to keep [`Simulation::frames`] streams them.
 
+mod crowded_scene;
 mod desk_scene;
 mod desk_things;
 mod detector;

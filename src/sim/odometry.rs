@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Matrix3, Matrix6, Translation3, UnitQuaternion, Vector
 /// What the odometry says at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OdometryReading {
-    /// `odom_from_base`. The odometry starts at the true pose, so `odom` and `world` agree at the first frame.
+    /// `odom_from_base`. At the first frame it is the true pose or, on a robot that was just switched on, zero.
     pub odom_from_base: Pose,
     /// Covariance of the absolute pose as in `geometry_msgs/PoseWithCovariance`: translation then rotation about
     /// fixed axes, row-major.
@@ -30,7 +30,7 @@ pub(super) fn readings(
     let Some(&first) = world_from_base.first() else {
         return Vec::new();
     };
-    let mut odom_from_base = first;
+    let mut odom_from_base = if settings.starts_at_zero { Pose::identity() } else { first };
     let mut covariance = Matrix3::zeros();
     let mut readings = vec![reading(odom_from_base, &covariance, settings)];
     for pair in world_from_base.windows(2) {

@@ -1,6 +1,7 @@
 //! A scene: objects with their true boxes, and the building around them.
 
 use super::{
+    crowded_scene::crowded_scene,
     desk_scene::desk_scene,
     desk_things::Model,
     home_scene::home_scene,
@@ -10,7 +11,7 @@ use super::{
     settings::SceneKind,
 };
 use crate::geometry::{OrientedBox, Pose};
-use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point2, Point3, Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A thing that stands somewhere.
@@ -147,7 +148,22 @@ impl Scene {
             SceneKind::Desk => desk_scene(&mut random),
             SceneKind::Home => home_scene(&mut random),
             SceneKind::Office => office_scene(&mut random),
+            SceneKind::Crowded => crowded_scene(&mut random),
         }
+    }
+
+    /// The same scene with its first chair pushed away from the middle of an orbit by so much (m).
+    pub(super) fn with_moved_chair(&self, by_m: f64) -> Self {
+        let mut scene = self.clone();
+        let center = self.routes.orbit_center.coords;
+        if let Some(chair) = scene.objects.iter_mut().find(|object| object.label == "chair") {
+            let outwards = (chair.world_from_object.translation.vector - center).xy();
+            let outwards = Unit::try_new(outwards, 1e-6).unwrap_or_else(Vector2::x_axis);
+            let push = Isometry3::translation(by_m * outwards.x, by_m * outwards.y, 0.0);
+            chair.world_from_object = push * chair.world_from_object;
+            chair.mesh = std::mem::take(&mut chair.mesh).transformed(&push);
+        }
+        scene
     }
 
     /// Puts a model where the layout has made room for it.

@@ -13,6 +13,8 @@ pub enum SceneKind {
     Home,
     /// Two rooms with desks and a corridor.
     Office,
+    /// A room of things that look alike: chairs round a table, books in a row, two monitors side by side.
+    Crowded,
 }
 
 /// How the camera moves.
@@ -37,8 +39,14 @@ pub struct SimulationSettings {
     pub trajectory: TrajectoryKind,
     /// Draws poses, sizes and clutter, and all noise.
     pub seed: u64,
+    /// Which visit to the same scene: another one has another way through it and other noise, from the same `seed`.
+    pub visit: u64,
     /// How many frames; 0 for what suits the trajectory.
     pub frames: usize,
+    /// The frame from which the first chair stands elsewhere; 0 for never.
+    pub moved_from_frame: usize,
+    /// How far it is pushed, away from the middle of an orbit (m).
+    pub moved_by_m: f64,
     /// Frames a second.
     pub frame_rate_hz: f64,
     /// Stamp of the first frame, seconds since the epoch.
@@ -61,7 +69,10 @@ impl Default for SimulationSettings {
             scene: SceneKind::Desk,
             trajectory: TrajectoryKind::Orbit,
             seed: 1,
+            visit: 0,
             frames: 0,
+            moved_from_frame: 0,
+            moved_by_m: 0.9,
             frame_rate_hz: 3.0,
             start_time_s: 1_700_000_000.0,
             camera: CameraSettings::default(),
@@ -229,6 +240,9 @@ pub struct OdometrySettings {
     pub yaw_bias_rad_per_m: f64,
     /// The covariance that is claimed is the true one times this.
     pub claimed_covariance_factor: f64,
+    /// Odometry starts at zero wherever the robot is, as it does on a robot that was switched on; otherwise at the
+    /// true pose, so that `odom` and the world agree at the first frame.
+    pub starts_at_zero: bool,
 }
 
 impl Default for OdometrySettings {
@@ -241,6 +255,7 @@ impl Default for OdometrySettings {
             scale_bias: 0.0,
             yaw_bias_rad_per_m: 0.0,
             claimed_covariance_factor: 1.0,
+            starts_at_zero: false,
         }
     }
 }
@@ -294,8 +309,16 @@ impl SimulationSettings {
             scale_bias: 0.0,
             yaw_bias_rad_per_m: 0.0,
             claimed_covariance_factor: 1.0,
+            ..self.odometry
         };
         self
+    }
+
+    /// The seed of everything but the scene.
+    pub(super) fn visit_seed(&self) -> u64 {
+        /// Odd, so that different visits never have the same seed (Knuth's multiplicative hashing).
+        const STRIDE: u64 = 0x9e37_79b9_7f4a_7c15;
+        self.seed.wrapping_add(self.visit.wrapping_mul(STRIDE))
     }
 
     /// Checks every number once.
@@ -340,6 +363,7 @@ impl SimulationSettings {
         ];
         let finite = [
             ("start_time_s", self.start_time_s),
+            ("moved_by_m", self.moved_by_m),
             ("mount.robot_pitch_down_rad", self.mount.robot_pitch_down_rad),
             ("depth.grazing_from_rad", depth.grazing_from_rad),
             ("depth.grazing_to_rad", depth.grazing_to_rad),

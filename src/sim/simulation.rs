@@ -35,9 +35,28 @@ pub struct Simulation {
     settings: SimulationSettings,
     scene: Scene,
     renderer: Renderer,
+    /// After something was moved.
+    moved: Option<Moved>,
     camera: Camera,
     trajectory: Trajectory,
     odometry: Vec<OdometryReading>,
+}
+
+/// A scene as it is from some frame on.
+struct Moved {
+    from_frame: usize,
+    scene: Scene,
+    renderer: Renderer,
+}
+
+impl Moved {
+    fn new(scene: &Scene, settings: &SimulationSettings) -> Option<Self> {
+        let from_frame = settings.moved_from_frame;
+        (from_frame > 0).then(|| {
+            let scene = scene.with_moved_chair(settings.moved_by_m);
+            Self { from_frame, renderer: Renderer::new(&scene), scene }
+        })
+    }
 }
 
 /// Why there is no simulation.
@@ -78,7 +97,7 @@ pub struct SimulatedFrame {
     pub odometry: OdometryReading,
 }
 
-/// The true objects of a scene in the world frame, which is `map`: the odometry starts at the true pose.
+/// The true objects of a scene in the world frame, which is `map` where the odometry starts at the true pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundTruth {
     /// By id.
@@ -118,9 +137,10 @@ impl Simulation {
             odometry: odometry::readings(
                 &trajectory.world_from_base,
                 &settings.odometry,
-                settings.seed,
+                settings.visit_seed(),
             ),
             renderer: Renderer::new(&scene),
+            moved: Moved::new(&scene, &settings),
             settings,
             scene,
             camera,
@@ -133,8 +153,13 @@ impl Simulation {
         &self.settings
     }
 
-    /// What stands where.
+    /// What stands where, at the end.
     pub fn scene(&self) -> &Scene {
+        self.moved.as_ref().map_or(&self.scene, |moved| &moved.scene)
+    }
+
+    /// What stands where at the beginning.
+    pub fn scene_before(&self) -> &Scene {
         &self.scene
     }
 
@@ -164,9 +189,9 @@ impl Simulation {
         &self.trajectory.world_from_base
     }
 
-    /// The true objects, none of them observed yet.
+    /// The true objects where they are at the end, none of them observed yet.
     pub fn ground_truth(&self) -> GroundTruth {
-        let objects = self.scene.objects.iter().map(TrueObject::new).collect();
+        let objects = self.scene().objects.iter().map(TrueObject::new).collect();
         GroundTruth { objects, min_visible_pixels: self.settings.detector.min_visible_pixels }
     }
 
@@ -182,10 +207,12 @@ impl Simulation {
     pub fn frame(&self, index: usize) -> SimulatedFrame {
         let world_from_base = self.trajectory.world_from_base[index];
         let world_from_camera = world_from_base * self.trajectory.base_from_optical;
-        let exact = self.renderer.render(&self.camera, &world_from_camera);
+        let moved = self.moved.as_ref().filter(|moved| index >= moved.from_frame);
+        let renderer = moved.map_or(&self.renderer, |moved| &moved.renderer);
+        let exact = renderer.render(&self.camera, &world_from_camera);
         let depth_m = self.depth_readings(index, &exact);
         let visible = visible_parts(&exact.instances, self.camera.width() as usize);
-        let mut random = Random::new(self.settings.seed, Purpose::Detector, index as u64);
+        let mut random = Random::new(self.settings.visit_seed(), Purpose::Detector, index as u64);
         let jitter_s = random.between(0.0, self.settings.detector.delay_jitter_s);
         let stamp = self.stamp(index);
         SimulatedFrame {
@@ -204,7 +231,7 @@ impl Simulation {
     }
 
     fn depth_readings(&self, index: usize, exact: &Rendered) -> Vec<f32> {
-        let key = PixelRandom::frame_key(self.settings.seed, index as u64);
+        let key = PixelRandom::frame_key(self.settings.visit_seed(), index as u64);
         let (width, focal_px) = (self.camera.width() as usize, self.camera.focal().0);
         sensor::readings(exact, width, focal_px, &self.settings.depth, key)
     }

@@ -31,7 +31,7 @@ const GRAIN_M: f64 = 0.02;
 impl Trajectory {
     /// The trajectory that the settings ask for.
     pub(super) fn new(settings: &SimulationSettings, routes: &Routes) -> Self {
-        let mut random = Random::new(settings.seed, Purpose::Trajectory, 0);
+        let mut random = Random::new(settings.visit_seed(), Purpose::Trajectory, 0);
         let mount = &settings.mount;
         let robot = base_from_optical(mount.robot_height_m, mount.robot_pitch_down_rad);
         match settings.trajectory {

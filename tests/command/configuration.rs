@@ -61,7 +61,7 @@ fn mistakes_are_named() {
         ("perception: {segmentation: {max_range_m: -1}}", "perception.segmentation.max_range_m"),
         ("perception: {segmentation: {max_range_m: far}}", "must be a number"),
         ("perception: {fit: spline}", "spline"),
-        ("mapping: {gate: {min_distance_m: .nan}}", "line 3"),
+        ("mapping: {gate: {ambiguity: .nan}}", "line 3"),
     ];
     for (body, words) in cases {
         let text = format!("ellipsoid_slam:\n  ros__parameters:\n    {body}\n");

@@ -8,6 +8,8 @@ mod demo_bag;
 mod evo;
 mod environment;
 mod gtsam;
+mod kill;
 mod python;
 mod replay;
+mod second_visit;
 mod run;

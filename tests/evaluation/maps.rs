@@ -1,7 +1,13 @@
 //! Map files.
 
-use ellipsoid_slam::{geometry::Outline, io::read_map, time::Stamp};
+use ellipsoid_slam::{
+    geometry::Outline,
+    io::{load_saved_map, map_json, read_map, save_map},
+    time::Stamp,
+};
+use proptest::prelude::*;
 use serde_json::{Value, json};
+use std::{fs, time::Instant};
 
 fn covariance() -> Vec<f64> {
     let at =
@@ -47,11 +53,16 @@ fn what_cannot_be_is_refused_in_a_sentence() {
     asymmetric[1] += 0.005;
     let mut indefinite = covariance();
     (indefinite[1], indefinite[9]) = (0.5, 0.5);
-    let cases: [(&str, Value, &str); 16] = [
+    let cases: [(&str, Value, &str); 21] = [
         ("/version", json!(2), "the map has version 2, this program reads version 1"),
         ("/objects/1/id", json!(3), "two objects have the id 3"),
         ("/objects/1/label", json!(""), "object 5: label"),
         ("/objects/1/labels", json!({"chair": 1.2}), "object 5: labels"),
+        ("/objects/1/labels", json!({}), "object 5: labels"),
+        ("/objects/1/labels", json!({"couch": 1.0}), "object 5: labels"),
+        ("/objects/1/position", json!([1e300, 0.0, 0.0]), "object 5: position"),
+        ("/objects/1/semi_axes", json!([0.3, 1e30, 0.5]), "object 5: semi_axes"),
+        ("/version", json!(-1), "not a map file"),
         ("/objects/1/existence", json!(-0.1), "object 5: existence"),
         ("/objects/1/observations", json!(-1), "not a map file"),
         ("/objects/1/first_seen", json!(1_800_000_000.0), "object 5: first_seen"),
@@ -76,5 +87,114 @@ fn what_cannot_be_is_refused_in_a_sentence() {
         broken["objects"][0].as_object_mut().unwrap().remove(missing);
         let is_optional = missing == "support_height";
         assert_eq!(read_map(&broken.to_string()).is_ok(), is_optional, "without {missing}");
+    }
+}
+
+#[test]
+fn what_is_saved_is_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.json");
+    let map = read_map(&file().to_string()).unwrap();
+    save_map(&path, &map).unwrap();
+    let loaded = load_saved_map(&path).unwrap();
+    let text = |map| map_json(map).unwrap();
+    assert_eq!(text(&loaded), text(&map));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
+}
+
+#[test]
+fn texts_that_are_no_map_are_refused_in_a_sentence() {
+    let whole = file().to_string();
+    let mut texts = vec![
+        String::new(),
+        "null".into(),
+        "[]".into(),
+        "\u{0}".into(),
+        whole.replace("0.98", "NaN"),
+        whole.replace("0.98", "1e999"),
+        whole[..whole.len() / 2].to_owned(),
+        format!("{whole}{whole}"),
+        "[".repeat(1_000_000),
+        format!("{{\"version\":1,\"x\":{}", "{\"a\":".repeat(100_000)),
+        // It claims more than there is.
+        whole.replace("\"id\":3", "\"id\":99999999999999999999999"),
+    ];
+    texts.push(whole.replace("\"version\":1", "\"version\":4294967297"));
+    for text in texts {
+        let says = read_map(&text).unwrap_err().to_string();
+        let start: String = text.chars().take(40).collect();
+        assert!(!says.contains('\n') && says.len() < 300, "{start}: {says}");
+    }
+}
+
+#[test]
+fn a_file_of_four_gigabytes_is_not_read_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.json");
+    // Sparse: it takes no room on the disk.
+    fs::File::create(&path).unwrap().set_len(4 << 30).unwrap();
+    let says = load_saved_map(&path).unwrap_err().to_string();
+    assert!(says.contains("larger than"), "{says}");
+    let nowhere = load_saved_map(&folder.path().join("none.json")).unwrap_err().to_string();
+    assert!(nowhere.starts_with("the map cannot be read"), "{nowhere}");
+}
+
+#[test]
+#[expect(clippy::disallowed_methods, reason = "the time is what is measured")]
+fn ten_thousand_objects_are_loaded_in_a_second() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.json");
+    let objects: Vec<Value> = (1..=10_000).map(object).collect();
+    fs::write(&path, json!({"version": 1, "frame_id": "map", "objects": objects}).to_string())
+        .unwrap();
+    let start = Instant::now();
+    let map = load_saved_map(&path).unwrap();
+    let seconds = start.elapsed().as_secs_f64();
+    println!("{} objects in {seconds:.3} s", map.objects.len());
+    assert_eq!(map.objects.len(), 10_000);
+    assert!(seconds < 1.0, "{seconds} s");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// Whatever bytes change, it is a map or a sentence, never a panic; and what is read can be written and read again.
+    #[test]
+    fn damaged_files_are_maps_or_refused(
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        cut in any::<prop::sample::Index>(),
+        is_cut in proptest::bool::weighted(0.2),
+    ) {
+        let mut bytes = file().to_string().into_bytes();
+        for (at, byte) in changes {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        if is_cut {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        match read_map(&text) {
+            Ok(map) => {
+                let again = read_map(&map_json(&map).unwrap()).unwrap();
+                prop_assert_eq!(again.objects.len(), map.objects.len());
+            }
+            Err(why) => prop_assert!(!why.to_string().contains('\n'), "{}", why),
+        }
+    }
+
+    /// Any number in place of any other.
+    #[test]
+    fn any_number_is_taken_or_refused(
+        field in prop::sample::select(vec!["id", "existence", "observations", "first_seen", "last_seen",
+            "position/0", "orientation/2", "semi_axes/1", "support_height", "covariance/0", "covariance/40", "covariance/7"]),
+        number in prop_oneof![any::<f64>(), -10.0..10.0, Just(0.0), Just(-1.0), Just(1e308)],
+    ) {
+        let mut broken = file();
+        *broken.pointer_mut(&format!("/objects/0/{field}")).unwrap() = json!(number);
+        match read_map(&broken.to_string()) {
+            Ok(map) => prop_assert!(map.objects[0].covariance.cholesky().is_some()),
+            Err(why) => prop_assert!(!why.to_string().contains('\n'), "{}", why),
+        }
     }
 }

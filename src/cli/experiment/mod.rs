@@ -18,8 +18,10 @@ mod trial;
 
 use self::{
     plan::{Case, SEQUENCES, cases},
+    protocol::Protocol,
     results::{Cell, Results},
     row::{ROWS, Row},
+    sequence::Sequence,
     trial::Trial,
 };
 use crate::{
@@ -45,6 +47,15 @@ pub(super) struct Args {
     /// Only these rows, with commas between them; a wrong one is answered with all that there are.
     #[arg(long, value_name = "ROWS", value_delimiter = ',', value_parser = row::row)]
     rows: Vec<&'static Row>,
+    /// Only these sequences, by their keys.
+    #[arg(long, value_name = "SEQUENCES", value_delimiter = ',', value_parser = sequence::sequence)]
+    sequences: Vec<Sequence>,
+    /// Only these protocols, by their keys.
+    #[arg(long, value_name = "PROTOCOLS", value_delimiter = ',', value_parser = protocol::protocol)]
+    protocols: Vec<Protocol>,
+    /// The first seed.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    first_seed: u64,
     /// So many frames a sequence [default: what suits the trajectory].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000))]
     frames: Option<u64>,
@@ -110,14 +121,19 @@ fn frames(args: &Args) -> Option<usize> {
 fn run_all(args: &Args) -> anyhow::Result<Results> {
     let rows: Vec<&'static Row> =
         ROWS.iter().filter(|row| args.rows.is_empty() || is_asked_for(row, args)).collect();
-    let plan = SEQUENCES.map(|sequence| (sequence, cases(sequence, &rows)));
+    let plan = SEQUENCES.map(|sequence| {
+        let mut cases = cases(sequence, &rows);
+        cases.retain(|_| is_among(&sequence, &args.sequences));
+        cases.retain(|case| is_among(&case.protocol, &args.protocols));
+        (sequence, cases)
+    });
     let steps: usize = plan.iter().map(|(_, cases)| cases.len() + 1).sum();
     let progress = ProgressBar::new(args.seeds * steps as u64);
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg} {eta}") {
         progress.set_style(style);
     }
     let mut trials: BTreeMap<String, (Case, Vec<Trial>)> = BTreeMap::new();
-    for seed in 1..=args.seeds {
+    for seed in args.first_seed..args.first_seed + args.seeds {
         for (sequence, cases) in plan.iter().filter(|(_, cases)| !cases.is_empty()) {
             progress.set_message(format!("{}, seed {seed}", sequence.name));
             let rendered = sequence.rendered(seed, frames(args))?;
@@ -141,6 +157,11 @@ fn run_all(args: &Args) -> anyhow::Result<Results> {
     });
     let cells = cells.collect();
     Ok(Results { seeds: args.seeds, frames: frames(args), cells })
+}
+
+/// Whether one is asked for, or nothing in particular is.
+fn is_among<T: PartialEq>(one: &T, asked: &[T]) -> bool {
+    asked.is_empty() || asked.contains(one)
 }
 
 fn is_asked_for(row: &Row, args: &Args) -> bool {
@@ -171,6 +192,18 @@ fn command(args: &Args) -> String {
     if !args.rows.is_empty() {
         let keys: Vec<&str> = args.rows.iter().map(|row| row.key).collect();
         command += &format!(" --rows {}", keys.join(","));
+    }
+    let keys = |keys: Vec<&str>| keys.join(",");
+    if !args.sequences.is_empty() {
+        command +=
+            &format!(" --sequences {}", keys(args.sequences.iter().map(|s| s.key).collect()));
+    }
+    if !args.protocols.is_empty() {
+        command +=
+            &format!(" --protocols {}", keys(args.protocols.iter().map(|p| p.key).collect()));
+    }
+    if args.first_seed != 1 {
+        command += &format!(" --first-seed {}", args.first_seed);
     }
     if let Some(frames) = args.frames {
         command += &format!(" --frames {frames}");

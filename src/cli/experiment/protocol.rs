@@ -62,6 +62,14 @@ pub(super) const DRIFTING_AUTOMATIC: Protocol = Protocol {
     boxes: Boxes::All,
 };
 
+/// The protocol of a key.
+pub(super) fn protocol(key: &str) -> Result<Protocol, String> {
+    const ALL: [Protocol; 4] = [PAPER, TRUE_GIVEN, DRIFTING_GIVEN, DRIFTING_AUTOMATIC];
+    let keys = || ALL.map(|protocol| protocol.key).join(", ");
+    let found = ALL.into_iter().find(|protocol| protocol.key == key);
+    found.ok_or_else(|| format!("there is no such protocol; there are {}", keys()))
+}
+
 /// The paper keeps YOLO's boxes above 0.95. Our detector is less sure of itself: 0.90 with a standard deviation of 0.06 for
 /// large objects, less for small ones. This keeps 95 % of the boxes of large objects.
 pub(super) const SURE: f64 = 0.8;

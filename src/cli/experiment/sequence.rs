@@ -1,6 +1,9 @@
 //! A simulated sequence, rendered once and kept for every row.
 
-use super::protocol::{Poses, Protocol};
+use super::{
+    plan::SEQUENCES,
+    protocol::{Poses, Protocol},
+};
 use crate::{
     cli::{
         recording::{BASE_FRAME, CAMERA_FRAME, ODOM_FRAME},
@@ -55,6 +58,32 @@ pub(super) const HOME_FORWARD: Sequence = Sequence {
     scene: SceneKind::Home,
     trajectory: TrajectoryKind::Forward,
 };
+
+pub(super) const OFFICE_FORWARD: Sequence = Sequence {
+    key: "office-forward",
+    name: "office, forward",
+    scene: SceneKind::Office,
+    trajectory: TrajectoryKind::Forward,
+};
+pub(super) const CROWDED_ORBIT: Sequence = Sequence {
+    key: "crowded-orbit",
+    name: "crowded, orbit",
+    scene: SceneKind::Crowded,
+    trajectory: TrajectoryKind::Orbit,
+};
+pub(super) const CROWDED_FORWARD: Sequence = Sequence {
+    key: "crowded-forward",
+    name: "crowded, forward",
+    scene: SceneKind::Crowded,
+    trajectory: TrajectoryKind::Forward,
+};
+
+/// The sequence of a key.
+pub(super) fn sequence(key: &str) -> Result<Sequence, String> {
+    let keys = || SEQUENCES.map(|sequence| sequence.key).join(", ");
+    let found = SEQUENCES.into_iter().find(|sequence| sequence.key == key);
+    found.ok_or_else(|| format!("there is no such sequence; there are {}", keys()))
+}
 
 /// All images of a sequence with their boxes, poses and truth.
 pub(super) struct Rendered {

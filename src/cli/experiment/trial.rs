@@ -12,7 +12,7 @@ use crate::{
         TrueObject, evaluate, evaluate_identified, evaluate_trajectory,
     },
     geometry::{Ellipsoid, OrientedBox, Pose},
-    mapping::{Association, MapObject},
+    mapping::{Association, MapObject, ObjectId},
     pipeline::{FramePose, ObjectSlam, Settings, Update},
     time::Stamp,
 };
@@ -63,7 +63,8 @@ struct Record {
     truth: GroundTruth,
     protocol: Protocol,
     poses: Vec<FramePose>,
-    /// True object and object of the map of each box that was joined, in the order of time.
+    /// True object and object of the map of each box that was joined, in the order of time. An identity that does not
+    /// count yet is nobody's: it is left out.
     joined: Vec<(u64, u64)>,
     by_object: BTreeMap<u64, Views>,
 }
@@ -87,7 +88,8 @@ impl Record {
         for keyframe in &update.keyframes {
             for result in &keyframe.boxes {
                 let Some(track) = result.detection.track else { continue };
-                self.joined.extend(result.object.map(|id| (track, id.0)));
+                let counts = |id: &ObjectId| slam.objects().any(|object| object.id == *id);
+                self.joined.extend(result.object.filter(counts).map(|id| (track, id.0)));
                 let measured = result.measurement.as_ref().ok();
                 let measured = measured.map(|m| m.ellipsoid.transformed(&keyframe.map_from_camera));
                 let mapped = slam.objects().find(|object| object.track == Some(track));

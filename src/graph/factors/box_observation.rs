@@ -79,6 +79,11 @@ impl BoxObservation {
         Ok(Self { variables, pose_from_camera, outline, sides, kernel: Kernel::Quadratic })
     }
 
+    /// The same box round another object: what was taken for two turned out to be one.
+    pub fn of(self, ellipsoid: EllipsoidId) -> Self {
+        Self { variables: [self.variables[0], ellipsoid.into()], ..self }
+    }
+
     /// The same with a robust kernel.
     pub fn with_kernel(self, kernel: Kernel) -> Self {
         Self { kernel, ..self }

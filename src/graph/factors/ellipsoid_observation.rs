@@ -74,6 +74,16 @@ impl EllipsoidObservation {
         Ok(Self { noise: self.noise.scaled(scale)?, ..self })
     }
 
+    /// The same measurement of another object: what was taken for two turned out to be one.
+    pub fn of(self, ellipsoid: EllipsoidId) -> Self {
+        Self { variables: [self.variables[0], ellipsoid.into()], ..self }
+    }
+
+    /// The measured ellipsoid in the frame of its pose.
+    pub fn measured(&self) -> &Ellipsoid {
+        &self.measured
+    }
+
     /// The measurement and the object side by side.
     fn compare(&self, at: &[Variable]) -> Comparison {
         let object = at[1].known_ellipsoid();

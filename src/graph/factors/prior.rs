@@ -47,6 +47,10 @@ impl Factor for PosePrior {
         Linearization::new(&self.noise.whiten(&difference), &self.noise.whiten(&jacobian))
     }
 
+    fn move_map(&mut self, new_from_old: &Pose) {
+        self.prior = new_from_old * self.prior;
+    }
+
     fn kernel(&self) -> Kernel {
         self.kernel
     }
@@ -68,6 +72,11 @@ impl EllipsoidPrior {
     /// `noise` is that of `[rotation, translation, log semi-axes]` (rad, m, 1), a right perturbation.
     pub fn new(ellipsoid: EllipsoidId, prior: Ellipsoid, noise: Noise<9>) -> Self {
         Self { variables: [ellipsoid.into()], prior, noise, kernel: Kernel::Quadratic }
+    }
+
+    /// The same about another object: what was taken for two turned out to be one.
+    pub fn of(self, ellipsoid: EllipsoidId) -> Self {
+        Self { variables: [ellipsoid.into()], ..self }
     }
 
     /// The same with a robust kernel.
@@ -96,6 +105,10 @@ impl Factor for EllipsoidPrior {
         let pose_part = log_derivative(&difference.fixed_rows::<6>(0).into_owned());
         jacobian.fixed_view_mut::<6, 6>(0, 0).copy_from(&pose_part);
         Linearization::new(&self.noise.whiten(&difference), &self.noise.whiten(&jacobian))
+    }
+
+    fn move_map(&mut self, new_from_old: &Pose) {
+        self.prior = self.prior.transformed(new_from_old);
     }
 
     fn kernel(&self) -> Kernel {

@@ -1,7 +1,7 @@
 //! Things that stand on something.
 
 use crate::{
-    geometry::{Ellipsoid, Outline, Plane, Support},
+    geometry::{Ellipsoid, Outline, Plane, Pose, Support},
     graph::{EllipsoidId, Factor, Kernel, Linearization, NoiseError, Variable, VariableId},
 };
 use nalgebra::{DVector, SMatrix, Vector1, Vector3};
@@ -33,6 +33,11 @@ impl SupportContact {
         let inverse_sigma = NoiseError::inverse_of_sigma(0, sigma_m)?;
         let variables = [ellipsoid.into()];
         Ok(Self { variables, outline, plane, inverse_sigma, kernel: Kernel::Quadratic })
+    }
+
+    /// The same plane under another object: what was taken for two turned out to be one.
+    pub fn of(self, ellipsoid: EllipsoidId) -> Self {
+        Self { variables: [ellipsoid.into()], ..self }
     }
 
     /// The same with a robust kernel.
@@ -72,6 +77,10 @@ impl Factor for SupportContact {
         jacobian.fixed_view_mut::<1, 3>(0, 6).tr_copy_from(&by_size);
         jacobian *= -self.inverse_sigma;
         Linearization::new(&Vector1::new(self.whitened(body, &lowest)), &jacobian)
+    }
+
+    fn move_map(&mut self, new_from_old: &Pose) {
+        self.plane = self.plane.transformed(new_from_old);
     }
 
     fn kernel(&self) -> Kernel {

@@ -1,7 +1,9 @@
 use super::{independent, map_of, observation, observe, only, slam_settings};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Plane, Pose},
-    mapping::{Association, MappingSettings, ObjectId, ObjectMap, Observation, Sighting},
+    mapping::{
+        Association, MappingSettings, ObjectId, ObjectMap, ObjectState, Observation, Sighting,
+    },
     time::Stamp,
 };
 use nalgebra::Vector3;
@@ -20,18 +22,83 @@ fn empty() -> ObjectMap {
 }
 
 #[test]
-fn other_labels_are_other_objects() {
-    let map =
-        map_of([named("chair", 0.0, 0.0), named("couch", 0.0, 0.0), named("chair", 0.0, 0.0)]);
+fn labels_that_detectors_confuse_are_one_object_and_others_are_not() {
+    let map = map_of([
+        named("chair", 0.0, 0.0),
+        named("couch", 0.0, 0.0),
+        named("chair", 0.0, 0.0),
+        named("potted plant", 0.4, 0.0),
+    ]);
     let seen: Vec<(&str, u32)> = map.all().iter().map(|o| (o.label(), o.observations)).collect();
-    assert_eq!(seen, [("chair", 2), ("couch", 1)]);
+    assert_eq!(seen, [("chair", 3), ("potted plant", 1)]);
 }
 
 #[test]
-fn what_is_far_is_another_object() {
-    // The gate is 0.8 of the footprint's half diagonal: 0.31 m.
-    assert_eq!(map_of([chair(0.0, 0.0), chair(0.3, 0.0)]).all().len(), 1);
-    assert_eq!(map_of([chair(0.0, 0.0), chair(0.33, 0.0)]).all().len(), 2);
+fn what_is_far_is_another_object_and_what_is_in_doubt_waits() {
+    // Between the centres: 3 cm each, and 3 cm that every measurement may be off besides, so 5.2 cm together.
+    let mut map = empty();
+    observe(&mut map, 0.0, vec![chair(0.0, 0.0)]);
+    assert_eq!(observe(&mut map, 1.0, vec![chair(0.15, 0.0)]), [Some(ObjectId(1))]);
+    // 7 standard deviations off, but half of it is where the object is.
+    assert_eq!(observe(&mut map, 2.0, vec![chair(0.4, 0.0)]), [None]);
+    assert_eq!(map.all().len(), 1);
+    assert_eq!(observe(&mut map, 3.0, vec![chair(0.8, 0.0)]), [Some(ObjectId(2))]);
+}
+
+#[test]
+fn between_two_objects_that_fit_alike_none_is_guessed() {
+    let mut map = empty();
+    for second in 0..3 {
+        observe(&mut map, f64::from(second), vec![chair(0.0, 0.0), chair(0.7, 0.0)]);
+    }
+    // As unsure as half a metre: it may be either.
+    let unsure = |x: f64| {
+        let mut seen = chair(x, 0.0);
+        let measured = seen.measured.as_mut().unwrap();
+        measured.covariance = independent(&measured.ellipsoid, 0.05, 0.5, 0.02);
+        seen
+    };
+    assert_eq!(observe(&mut map, 3.0, vec![unsure(0.35)]), [None]);
+    assert_eq!(map.all().iter().map(|o| o.observations).collect::<Vec<_>>(), [3, 3]);
+    // Both together are clear: each is one of them.
+    let both = observe(&mut map, 4.0, vec![unsure(0.1), chair(0.7, 0.0)]);
+    assert_eq!(both, [Some(ObjectId(1)), Some(ObjectId(2))]);
+}
+
+#[test]
+fn six_chairs_round_a_table_keep_their_identities_when_odometry_slips() {
+    let places = [(0.0, 0.0), (0.6, 0.0), (1.2, 0.0), (0.0, 1.5), (0.6, 1.5), (1.2, 1.5)];
+    let mut map = empty();
+    let mut first = Vec::new();
+    for second in 0..20 {
+        // A common error of the pose, a quarter of the way to the neighbour, and one of them is missed.
+        let slip = 0.15 * f64::from(second % 3 - 1);
+        let mut seen: Vec<Observation> = places.iter().map(|(x, y)| chair(x + slip, *y)).collect();
+        if second > 0 {
+            seen.remove(second as usize % 6);
+        }
+        let found = observe(&mut map, f64::from(second), seen);
+        if second == 0 {
+            first = found;
+            continue;
+        }
+        let mut expected = first.clone();
+        expected.remove(second as usize % 6);
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!(found.is_none() || found == expected, "{second}: {found:?}, not {expected:?}");
+        }
+    }
+    assert_eq!(map.confirmed().count(), 6);
+    assert_eq!(map.all().len(), 6);
+}
+
+#[test]
+fn a_flickering_label_is_outvoted_however_it_began() {
+    let mut seen = vec![named("couch", 0.0, 0.0), named("couch", 0.0, 0.0)];
+    seen.extend((0..5).map(|_| named("chair", 0.0, 0.0)));
+    let map = map_of(seen);
+    assert_eq!(only(&map).label(), "chair");
+    assert!(only(&map).labels()["chair"] > 0.99);
 }
 
 #[test]
@@ -68,24 +135,28 @@ fn one_frame_gives_an_object_one_measurement() {
 #[test]
 fn an_object_counts_after_enough_measurements() {
     let mut map = empty();
-    for (second, confirmed) in [(0.0, 0), (1.0, 0), (2.0, 1)] {
-        observe(&mut map, second, vec![chair(0.0, 0.0)]);
-        assert_eq!(map.confirmed().count(), confirmed);
+    // From one place: false alarms that a view causes come again and again in it.
+    for second in 0..5 {
+        assert_eq!(map.confirmed().count(), 0);
+        observe(&mut map, f64::from(second), vec![chair(0.0, 0.0)]);
     }
+    assert_eq!(map.confirmed().count(), 1);
     let object = only(&map);
+    assert_eq!(object.state(), ObjectState::Confirmed);
     assert_eq!(object.first_seen, Stamp::from_secs(0.0));
-    assert_eq!(object.last_seen, Stamp::from_secs(2.0));
-    // Three views of 0.7: 1 - 0.65^3.
-    assert!((object.existence() - (1.0 - 0.65_f64.powi(3))).abs() < 1e-12);
+    assert_eq!(object.last_seen, Stamp::from_secs(4.0));
+    assert!(object.existence() > 0.9);
 }
 
 #[test]
-fn labels_are_shares_that_sum_to_one() {
+fn labels_are_probabilities_by_the_rule_of_bayes() {
     let mut unsure = chair(0.0, 0.0);
     unsure.labels = vec![("chair".into(), 0.5), ("couch".into(), 0.4)];
     let map = map_of([chair(0.0, 0.0), unsure]);
     let labels = only(&map).labels();
-    assert!((labels["chair"] - 1.4 / 1.8).abs() < 1e-12);
+    // Called a chair 1.4 times and a couch 0.4 times; either is called by the other's name one time in ten.
+    let odds = 9.0_f64.powf(1.4 - 0.4);
+    assert!((labels["chair"] - odds / (1.0 + odds)).abs() < 1e-12);
     assert!((labels.values().sum::<f64>() - 1.0).abs() < 1e-12);
     assert_eq!(only(&map).label(), "chair");
 }
@@ -148,6 +219,7 @@ fn a_sighting_that_cannot_be_is_refused_and_nothing_is_lost() {
         odom_from_base: Pose::translation(0.5, 0.0, 0.0),
         odometry_covariance: None,
         observations: vec![chair(2.0, 0.0), exact],
+        view: None,
     });
     assert!(sighted.refused.unwrap().contains("positive definite"));
     assert_eq!(sighted.objects, [None, None]);

@@ -76,6 +76,7 @@ fn long_drive(seed: u64, wrong: f64, slam: SlamSettings, count: usize) -> Drive 
             odom_from_base: odom,
             odometry_covariance: None,
             observations,
+            view: None,
         });
         assert_eq!(sighted.refused, None);
         let known = map.map_from_odom() * odom;

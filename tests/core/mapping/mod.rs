@@ -3,6 +3,11 @@
 mod association;
 mod drift;
 mod fusion;
+mod life;
+mod loop_closing;
+mod merging;
+mod queries;
+mod relocalisation;
 
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Outline, Pose},
@@ -26,6 +31,7 @@ pub(crate) fn observation(
         track: None,
         labels: vec![(label.into(), 0.9)],
         outline: Outline::Cuboid,
+        rect: None,
         sides: ObservedBox { base_from_camera: Pose::identity(), sides: [None; 4] },
         measured: Some(Measured { ellipsoid, covariance, probability: 0.7, support: None }),
     }
@@ -97,6 +103,7 @@ pub(crate) fn observe(
         odom_from_base: Pose::identity(),
         odometry_covariance: None,
         observations,
+        view: None,
     });
     assert_eq!(sighted.refused, None);
     sighted.objects

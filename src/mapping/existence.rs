@@ -1,0 +1,188 @@
+//! Whether an object is there: log-odds from what was seen and what was not.
+
+use super::visibility::Prospect;
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+
+/// When an object counts, and when it is gone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LifeSettings {
+    /// Probability that a detector finds an object that it can see.
+    pub detection_probability: f64,
+    /// Probability that it finds something where there is nothing.
+    pub false_detection_probability: f64,
+    /// Existence from which an object counts.
+    pub confirmed_from: f64,
+    /// Existence below which it is taken out of the map.
+    pub removed_below: f64,
+    /// Views from places at least so far apart are different (m).
+    pub different_views_m: f64,
+    /// Whether an object that was moved keeps its identity at its new place.
+    pub moved_keeps_id: bool,
+}
+
+impl Default for LifeSettings {
+    fn default() -> Self {
+        Self {
+            detection_probability: 0.8,
+            false_detection_probability: 0.1,
+            confirmed_from: 0.9,
+            removed_below: 0.1,
+            different_views_m: 0.1,
+            moved_keeps_id: true,
+        }
+    }
+}
+
+/// Where an object is in its life; what is removed has left the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ObjectState {
+    /// Not seen often enough to count.
+    #[default]
+    Tentative,
+    /// It counts.
+    Confirmed,
+    /// It counts, but was not found where it should be.
+    Stale,
+}
+
+/// The evidence for and against an object.
+#[derive(Clone, Debug)]
+pub(super) struct Existence {
+    log_odds: f64,
+    pub(super) state: ObjectState,
+    /// How often it was found where it could be seen, and how often not.
+    found: f64,
+    missed: f64,
+    /// Mean share of free rays that ended in it when it was found.
+    filled: Option<f64>,
+    /// Where it was last seen from as a view of its own, and how many there are.
+    eye: Option<Point3<f64>>,
+    views: u32,
+}
+
+impl Default for Existence {
+    fn default() -> Self {
+        Self {
+            log_odds: log_odds(PRIOR),
+            state: ObjectState::Tentative,
+            found: 0.0,
+            missed: 0.0,
+            filled: None,
+            eye: None,
+            views: 0,
+        }
+    }
+}
+
+impl Existence {
+    /// Of an object that counted in an earlier run.
+    pub(super) fn remembered(probability: f64) -> Self {
+        let mut remembered = Self { state: ObjectState::Confirmed, views: 2, ..Self::default() };
+        remembered.log_odds = log_odds(probability).clamp(0.0, MAX_LOG_ODDS);
+        remembered
+    }
+
+    pub(super) fn probability(&self) -> f64 {
+        1.0 / (1.0 + (-self.log_odds).exp())
+    }
+
+    /// A measurement of this probability was joined to it, made from a place in the map.
+    pub(super) fn measured(&mut self, probability: f64, eye: &Point3<f64>, life: &LifeSettings) {
+        let ratio = life.detection_probability / life.false_detection_probability;
+        // A doubtful measurement says less, but a box is a box.
+        self.add(ratio.ln() * (0.5 + 0.5 * probability));
+        if self.eye.is_none_or(|last| nalgebra::distance(&last, eye) > life.different_views_m) {
+            self.eye = Some(*eye);
+            self.views += 1;
+        }
+    }
+
+    /// A box is where it should be, and this is what the depth image shows there.
+    pub(super) fn found(&mut self, prospect: &Prospect) {
+        self.found += 1.0;
+        let filled = prospect.filled();
+        let known = self.filled.unwrap_or(filled);
+        self.filled = Some(known + (filled - known) / self.found.min(MEMORY));
+    }
+
+    /// It should be visible and there is no box. `is_new_view` is false while the robot stands still: a detector that is
+    /// blind to an object stays blind.
+    pub(super) fn missed(&mut self, prospect: &Prospect, is_new_view: bool, life: &LifeSettings) {
+        let usual = self.filled.unwrap_or(USUALLY_FILLED);
+        let filled = prospect.filled();
+        if filled < EMPTY * usual {
+            // One looks through where it was.
+            self.add(EMPTY_LOG_ODDS);
+            return;
+        }
+        if !is_new_view {
+            return;
+        }
+        self.missed += 1.0;
+        // The detector may be worse at this object than at others.
+        let counts = self.state != ObjectState::Tentative;
+        let known = (self.found + PRIOR_FOUND) / (self.found + self.missed + PRIOR_SEEN);
+        let chance = life.detection_probability.min(known);
+        let change = ((1.0 - chance) / (1.0 - life.false_detection_probability)).ln();
+        let stands = counts && filled > STANDS * usual;
+        self.add(change * if stands { STANDING_SHARE } else { 1.0 });
+    }
+
+    /// Takes the state that the evidence makes; whether the object is still there.
+    pub(super) fn settle(&mut self, observations: u32, needed: u32, life: &LifeSettings) -> bool {
+        let enough = observations >= needed
+            && (self.views > 1 || observations >= needed + MORE_FROM_ONE_PLACE);
+        let is_sure = self.log_odds >= log_odds(life.confirmed_from);
+        self.state = match self.state {
+            ObjectState::Tentative if enough && is_sure => ObjectState::Confirmed,
+            ObjectState::Confirmed if self.log_odds < 0.0 => ObjectState::Stale,
+            ObjectState::Stale if is_sure => ObjectState::Confirmed,
+            same => same,
+        };
+        self.log_odds > log_odds(life.removed_below)
+    }
+
+    /// What another object that is the same thing adds.
+    pub(super) fn absorb(&mut self, other: &Self) {
+        self.add((other.log_odds - log_odds(PRIOR)).max(0.0));
+        self.found += other.found;
+        self.missed = self.missed.min(other.missed);
+        self.views += other.views;
+        self.filled = self.filled.or(other.filled);
+        if self.state == ObjectState::Tentative {
+            self.state = other.state;
+        }
+    }
+
+    fn add(&mut self, change: f64) {
+        self.log_odds = (self.log_odds + change).clamp(-MAX_LOG_ODDS, MAX_LOG_ODDS);
+    }
+}
+
+fn log_odds(probability: f64) -> f64 {
+    (probability / (1.0 - probability)).ln()
+}
+
+/// Measurements that are needed besides where all are from one place.
+const MORE_FROM_ONE_PLACE: u32 = 2;
+/// Before anything is known of a first box.
+const PRIOR: f64 = 0.3;
+/// Detectors and depth can always be wrong together; and what was there for days can be carried away.
+const MAX_LOG_ODDS: f64 = 5.0;
+/// Sightings over which the usual share of rays is averaged.
+const MEMORY: f64 = 10.0;
+/// Of the rays through an object's box, as long as nothing is known.
+const USUALLY_FILLED: f64 = 0.4;
+/// Where less than this share of the usual is left, the object is not.
+const EMPTY: f64 = 0.25;
+/// What a look through the place of an object says.
+const EMPTY_LOG_ODDS: f64 = -2.5;
+/// Where more than this share of the usual is left, something stands there...
+const STANDS: f64 = 0.6;
+/// ...and a box that is missing says less.
+const STANDING_SHARE: f64 = 0.2;
+/// What is known of a detector's chances before: two of two and a half.
+const PRIOR_FOUND: f64 = 2.0;
+const PRIOR_SEEN: f64 = 2.5;

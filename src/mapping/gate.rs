@@ -1,0 +1,126 @@
+//! How well a measurement fits an object.
+
+use super::{MapObject, Measured};
+use crate::{
+    geometry::{Ellipsoid, OrientedBox, Pose, intersection_volume, skew},
+    graph::{EllipsoidObservation, Factor, Graph, PoseId, Variable},
+};
+use nalgebra::{DMatrix, Matrix6, SMatrix};
+use serde::{Deserialize, Serialize};
+
+/// Which measurements may be one object. Costs are negative logarithms of probabilities.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GateSettings {
+    /// What it costs to take a measurement for something new; what fits an object worse is not that object.
+    pub new_object_cost: f64,
+    /// Where two answers differ by less, none is given.
+    pub ambiguity: f64,
+    /// Standard deviation of a centre besides what covariances say (m).
+    pub position_sigma_m: f64,
+    /// Of a semi-axis, as a share of it.
+    pub size_sigma_ratio: f64,
+    /// Of a heading (deg).
+    pub heading_sigma_deg: f64,
+    /// A box without a measurement is an object's where it overlaps so much of what is expected.
+    pub min_box_overlap: f64,
+}
+
+impl Default for GateSettings {
+    fn default() -> Self {
+        Self {
+            new_object_cost: 12.0,
+            ambiguity: 1.5,
+            position_sigma_m: 0.03,
+            size_sigma_ratio: 0.15,
+            heading_sigma_deg: 20.0,
+            min_box_overlap: 0.3,
+        }
+    }
+}
+
+/// The way from the last pose that the graph has solved to where the robot is now, with its covariance.
+pub(super) struct Step {
+    /// That pose; nothing in a graph without poses.
+    pub(super) pose: Option<PoseId>,
+    /// Where that pose is.
+    pub(super) map_from_pose: Pose,
+    pub(super) pose_from_base: Pose,
+    pub(super) covariance: Matrix6<f64>,
+}
+
+/// A measurement as the gate compares it.
+pub(super) struct Candidate {
+    factor: Option<EllipsoidObservation>,
+}
+
+impl Candidate {
+    /// `pose` is that of the keyframe: only names the factor.
+    pub(super) fn new(
+        measured: &Measured,
+        step: &Step,
+        (pose, object): (PoseId, &MapObject),
+        settings: &GateSettings,
+    ) -> Self {
+        let ellipsoid = measured.ellipsoid.transformed(&step.pose_from_base);
+        let mut covariance = measured.covariance + moved(&measured.ellipsoid, &step.covariance);
+        let sigmas = [settings.position_sigma_m, settings.size_sigma_ratio];
+        covariance[(2, 2)] += settings.heading_sigma_deg.to_radians().powi(2);
+        for i in 0..3 {
+            covariance[(3 + i, 3 + i)] += sigmas[0].powi(2);
+            covariance[(6 + i, 6 + i)] += sigmas[1].powi(2);
+        }
+        // What has no covariance fits nothing; the graph will say why.
+        let factor = EllipsoidObservation::new(
+            pose,
+            object.variable(),
+            ellipsoid,
+            &covariance,
+            object.outline,
+        );
+        Self { factor: factor.ok() }
+    }
+
+    /// Squared Mahalanobis distance from an object with the joint covariance of pose and object. (Kaess and Dellaert
+    /// 2009, Covariance recovery from a square root information matrix for data association.)
+    pub(super) fn squared_distance(&self, graph: &Graph, step: &Step, object: &MapObject) -> f64 {
+        let Some(factor) = &self.factor else { return f64::MAX };
+        let estimate = graph.ellipsoid(object.variable());
+        let at = [Variable::Pose(step.map_from_pose), Variable::Ellipsoid(estimate)];
+        let linear = factor.linearize(&at);
+        let known = match step.pose {
+            Some(pose) => graph.covariance(&[pose.into(), object.variable().into()]),
+            None => {
+                let mut known = DMatrix::zeros(15, 15);
+                let own = graph.covariance(&[object.variable().into()]);
+                known.view_mut((6, 6), (9, 9)).copy_from(&own);
+                known
+            }
+        };
+        let mut innovation = &linear.jacobian * known * linear.jacobian.transpose();
+        (0..9).for_each(|i| innovation[(i, i)] += 1.0);
+        match innovation.cholesky() {
+            Some(factors) => linear.residual.dot(&factors.solve(&linear.residual)),
+            None => f64::MAX,
+        }
+    }
+}
+
+/// The covariance that an uncertain step gives to what is measured after it, as a right perturbation of the object.
+fn moved(measured: &Ellipsoid, step: &Matrix6<f64>) -> SMatrix<f64, 9, 9> {
+    let object_from_base = measured.pose.rotation.inverse().to_rotation_matrix().into_inner();
+    let mut adjoint = SMatrix::<f64, 9, 6>::zeros();
+    adjoint.fixed_view_mut::<3, 3>(0, 0).copy_from(&object_from_base);
+    adjoint.fixed_view_mut::<3, 3>(3, 3).copy_from(&object_from_base);
+    let turned = -object_from_base * skew(measured.center().coords);
+    adjoint.fixed_view_mut::<3, 3>(3, 0).copy_from(&turned);
+    adjoint * step * adjoint.transpose()
+}
+
+/// The common part of two bodies' boxes, as a share of the smaller and of both together.
+pub(super) fn overlap(a: &Ellipsoid, b: &Ellipsoid) -> (f64, f64) {
+    let (a, b) = (OrientedBox::from(a), OrientedBox::from(b));
+    let common = intersection_volume(&a, &b);
+    let (smaller, sum) = (a.volume().min(b.volume()), a.volume() + b.volume());
+    (common / smaller, common / (sum - common))
+}

@@ -1,0 +1,92 @@
+//! What an object is called, when detectors confuse classes.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// How detectors confuse classes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LabelSettings {
+    /// Groups of classes that are taken for each other.
+    pub alike: Vec<Vec<String>>,
+    /// Probability that an object is given the name of another class of its group.
+    pub confused: f64,
+    /// Probability that it is given any other name.
+    pub wrong: f64,
+}
+
+impl Default for LabelSettings {
+    fn default() -> Self {
+        let group = |labels: &[&str]| labels.iter().map(|label| (*label).to_owned()).collect();
+        Self {
+            alike: ALIKE.iter().map(|labels| group(labels)).collect(),
+            confused: 0.1,
+            wrong: 0.002,
+        }
+    }
+}
+
+/// Classes of COCO that look alike in rooms.
+const ALIKE: &[&[&str]] = &[
+    &["tv", "laptop"],
+    &["keyboard", "laptop", "remote"],
+    &["mouse", "remote", "cell phone"],
+    &["chair", "couch", "bench"],
+    &["couch", "bed"],
+    &["cup", "bowl", "vase", "bottle", "wine glass"],
+    &["potted plant", "vase"],
+    &["suitcase", "backpack", "handbag"],
+    &["suitcase", "refrigerator", "oven", "microwave"],
+    &["dining table", "bench", "bed"],
+    &["book", "laptop", "cell phone"],
+];
+
+impl LabelSettings {
+    /// How probable it is that an object of a class is called so.
+    fn probability(&self, called: &str, class: &str) -> f64 {
+        let holds = |group: &Vec<String>, label: &str| group.iter().any(|other| other == label);
+        if called == class {
+            1.0 - self.confused
+        } else if self.alike.iter().any(|group| holds(group, called) && holds(group, class)) {
+            self.confused
+        } else {
+            self.wrong
+        }
+    }
+
+    /// Posterior of the classes that an object was called, by Bayes' rule, when it was called each so often and all are
+    /// as probable beforehand. Counts may be fractions: a detector's probabilities.
+    pub(super) fn posterior(&self, votes: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
+        let log_likelihood = |class: &str| -> f64 {
+            votes.iter().map(|(called, n)| n * self.probability(called, class).ln()).sum()
+        };
+        let logs: Vec<f64> = votes.keys().map(|class| log_likelihood(class)).collect();
+        let best = logs.iter().copied().fold(f64::MIN, f64::max);
+        let weights: Vec<f64> = logs.iter().map(|log| (log - best).exp()).collect();
+        let total: f64 = weights.iter().sum();
+        votes.keys().cloned().zip(weights.into_iter().map(|weight| weight / total)).collect()
+    }
+
+    /// Negative logarithm of the probability that a thing with this belief about its class is called so.
+    pub(super) fn cost(&self, called: &[(String, f64)], belief: &BTreeMap<String, f64>) -> f64 {
+        let total: f64 = called.iter().map(|(_, p)| p).sum();
+        let likelihood: f64 = called
+            .iter()
+            .flat_map(|(name, p)| {
+                belief.iter().map(move |(class, b)| p / total * b * self.probability(name, class))
+            })
+            .sum();
+        -likelihood.max(f64::MIN_POSITIVE).ln()
+    }
+
+    /// The same for two things of which each has a belief.
+    pub(super) fn cost_of_same(&self, a: &BTreeMap<String, f64>, b: &BTreeMap<String, f64>) -> f64 {
+        let called: Vec<(String, f64)> = a.iter().map(|(name, p)| (name.clone(), *p)).collect();
+        self.cost(&called, b)
+    }
+
+    /// Whether things with this cost may be the same by what they are called: alike, or better.
+    pub(super) fn is_alike(&self, cost: f64) -> bool {
+        cost <= -(0.5 * self.confused).max(self.wrong).ln()
+    }
+}

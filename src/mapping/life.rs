@@ -1,0 +1,219 @@
+//! What a sighting changes besides measurements: objects come to count, are merged, and go.
+
+use super::{
+    Association, MapObject, ObjectId, ObjectMap, ObjectState, Sighting,
+    association::{Associated, Decision},
+    gate::overlap,
+};
+use std::collections::BTreeMap;
+
+/// What happened to an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ObjectChange {
+    /// From now on it counts.
+    Confirmed(ObjectId),
+    /// It is no longer there.
+    Removed(ObjectId),
+    /// Two were one: the first stays.
+    Merged {
+        /// The object that has all measurements now.
+        kept: ObjectId,
+        /// The identity that is no more.
+        gone: ObjectId,
+    },
+    /// Measurements that had been given to the first were the second's.
+    Split {
+        /// The object that had them.
+        from: ObjectId,
+        /// The object that has them.
+        into: ObjectId,
+    },
+}
+
+/// What an object was that has left its place.
+#[derive(Clone, Debug)]
+pub(super) struct Departed {
+    id: ObjectId,
+    labels: BTreeMap<String, f64>,
+    size: nalgebra::Vector3<f64>,
+}
+
+impl Departed {
+    fn new(object: &MapObject) -> Self {
+        let size = object.ellipsoid().semi_axes;
+        Self { id: object.id, labels: object.labels(), size }
+    }
+}
+
+impl ObjectMap {
+    /// Weighs what was seen and what was missed, after the graph has taken the measurements.
+    pub(super) fn live(
+        &mut self,
+        sighting: &Sighting<'_>,
+        associated: &Associated,
+        found: &[Option<usize>],
+        is_new_view: bool,
+    ) -> Vec<ObjectChange> {
+        let mut seen: Vec<usize> = found.iter().copied().flatten().collect();
+        seen.sort_unstable();
+        seen.dedup();
+        self.count_neighbours(&seen);
+        associated.crowded.iter().for_each(|at| self.objects[*at].crowded += 1);
+        self.weigh(associated, &seen, is_new_view);
+        let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
+        let mut changes = Vec::new();
+        self.settle(&mut changes);
+        if self.settings.association == Association::Automatic {
+            self.split_and_merge(&seen, &mut changes);
+            self.find_moved(sighting, &mut changes);
+        }
+        changes
+    }
+
+    /// Objects with boxes of their own in one image are different.
+    fn count_neighbours(&mut self, seen: &[usize]) {
+        for (a, b) in seen.iter().flat_map(|a| seen.iter().map(move |b| (*a, *b))) {
+            let apart = self.objects[a].estimate().center() - self.objects[b].estimate().center();
+            if a != b && apart.norm() < NEIGHBOUR_M {
+                let other = self.objects[b].id;
+                *self.objects[a].beside.entry(other).or_default() += 1;
+            }
+        }
+    }
+
+    /// Which objects were found, and which should have been.
+    fn weigh(&mut self, associated: &Associated, seen: &[usize], is_new_view: bool) {
+        let is_clear = associated.decisions.iter().all(|d| *d != Decision::Wait);
+        for (at, prospect) in associated.prospects.iter().filter(|(_, p)| p.is_visible()) {
+            let existence = &mut self.objects[*at].existence;
+            if seen.contains(at) {
+                existence.found(prospect);
+            } else if is_clear || !associated.shown.contains(at) {
+                existence.missed(prospect, is_new_view, &self.settings.life);
+            }
+        }
+    }
+
+    /// Takes the states that follow, and takes out what is gone.
+    fn settle(&mut self, changes: &mut Vec<ObjectChange>) {
+        let (needed, life) = (self.settings.min_observations, self.settings.life);
+        let mut gone = Vec::new();
+        for object in &mut self.objects {
+            let before = object.state();
+            if self.settings.association == Association::Given {
+                if object.observations >= needed {
+                    object.existence.state = ObjectState::Confirmed;
+                }
+            } else if !object.existence.settle(object.observations, needed, &life) {
+                gone.push(object.id);
+            }
+            if before == ObjectState::Tentative && object.counts() {
+                changes.push(ObjectChange::Confirmed(object.id));
+            }
+        }
+        for id in gone {
+            let departed = self.position(id).map(|at| &self.objects[at]);
+            let departed = departed.filter(|object| object.counts()).map(Departed::new);
+            if self.remove(id).is_ok() && departed.is_some() {
+                self.departed.extend(departed);
+                changes.push(ObjectChange::Removed(id));
+            }
+        }
+    }
+
+    /// Looks at what was just seen and what stands in the same place.
+    fn split_and_merge(&mut self, seen: &[ObjectId], changes: &mut Vec<ObjectChange>) {
+        for id in seen {
+            let Some(at) = self.position(*id) else { continue };
+            let other = (0..self.objects.len()).find(|other| self.are_one(at, *other));
+            if let Some(other) = other {
+                let (a, b) = (&self.objects[at], &self.objects[other]);
+                // The one that counts, then the one that is known for longer.
+                let order = |o: &MapObject| (!o.counts(), o.id);
+                let (kept, gone) = if order(a) < order(b) { (a.id, b.id) } else { (b.id, a.id) };
+                let counted = self.position(gone).is_some_and(|at| self.objects[at].counts());
+                if self.merge(kept, gone).is_ok() && counted {
+                    changes.push(ObjectChange::Merged { kept, gone });
+                }
+            }
+        }
+        let fresh: Vec<ObjectId> = changes
+            .iter()
+            .filter_map(|c| match c {
+                ObjectChange::Confirmed(id) => Some(*id),
+                _ => None,
+            })
+            .collect();
+        for into in fresh {
+            let Some(at) = self.position(into) else { continue };
+            let neighbours: Vec<ObjectId> = self.objects[at].beside.keys().copied().collect();
+            for from in neighbours {
+                if self.split(from, into).is_ok_and(|moved| moved > 0) {
+                    changes.push(ObjectChange::Split { from, into });
+                }
+            }
+        }
+    }
+
+    /// Whether two objects are the same thing: in one place, with names that detectors confuse, and hardly ever seen
+    /// side by side. What fills the same space is the same whatever it is called.
+    fn are_one(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (&self.objects[a], &self.objects[b]);
+        let reach = a.estimate().semi_axes.norm() + b.estimate().semi_axes.norm();
+        if a.id == b.id || (a.estimate().center() - b.estimate().center()).norm() > reach {
+            return false;
+        }
+        let beside = a.beside.get(&b.id).copied().unwrap_or(0);
+        if f64::from(beside) > MAX_BESIDE * f64::from(a.observations.min(b.observations)) {
+            return false;
+        }
+        let labels = &self.settings.labels;
+        let (of_smaller, of_both) = overlap(a.estimate(), b.estimate());
+        let is_alike = labels.is_alike(labels.cost_of_same(a.belief(), b.belief()));
+        of_both > SAME_SPACE || is_alike && of_smaller > SAME_PLACE
+    }
+
+    /// Gives what has come to count the identity of what has left its place, if it is like it and like nothing else.
+    fn find_moved(&mut self, sighting: &Sighting<'_>, changes: &mut Vec<ObjectChange>) {
+        if !self.settings.life.moved_keeps_id || self.departed.is_empty() {
+            return;
+        }
+        for at in 0..self.objects.len() {
+            let object = &self.objects[at];
+            // It may have been seen at its new place before one looked at the old one.
+            let age = sighting.stamp.seconds_since(object.first_seen);
+            if !object.counts() || age > MOVED_WITHIN_S {
+                continue;
+            }
+            let alike: Vec<usize> = (0..self.departed.len())
+                .filter(|d| self.is_like(object, &self.departed[*d]))
+                .collect();
+            let [only] = alike[..] else { continue };
+            let (kept, gone) = (self.departed.remove(only).id, object.id);
+            self.objects[at].id = kept;
+            changes.retain(|change| *change != ObjectChange::Confirmed(gone));
+            changes.push(ObjectChange::Merged { kept, gone });
+        }
+    }
+
+    fn is_like(&self, object: &MapObject, departed: &Departed) -> bool {
+        let labels = &self.settings.labels;
+        let sizes = object.ellipsoid().semi_axes.component_div(&departed.size);
+        object.id > departed.id
+            && labels.is_alike(labels.cost_of_same(object.belief(), &departed.labels))
+            && sizes.iter().all(|ratio| ratio.ln().abs() < SAME_SIZE.ln())
+    }
+}
+
+/// Objects farther apart are not asked whether they are the same (m).
+const NEIGHBOUR_M: f64 = 2.0;
+/// Detectors give two boxes for one thing now and then: that seldom, as a share of the measurements.
+const MAX_BESIDE: f64 = 0.1;
+/// Overlap, as a share of the smaller, of things that may be the same.
+const SAME_PLACE: f64 = 0.4;
+/// Overlap, as a share of both together, of things that are the same.
+const SAME_SPACE: f64 = 0.45;
+/// What was moved is as large as it was, up to this factor.
+const SAME_SIZE: f64 = 1.35;
+/// It is found at its new place so long before it is missed at the old one (s).
+const MOVED_WITHIN_S: f64 = 120.0;

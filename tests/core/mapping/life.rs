@@ -1,0 +1,172 @@
+//! What is there, what is hidden and what is gone, by made-up depth images.
+
+use super::{independent, observation, slam_settings};
+use ellipsoid_slam::{
+    geometry::{Camera, Distortion, Ellipsoid, Pose, Rect},
+    mapping::{
+        LifeSettings, MappingSettings, ObjectChange, ObjectId, ObjectMap, ObjectState, Observation,
+        Sighting, View,
+    },
+    perception::{DepthImage, DepthNoise},
+    time::Stamp,
+};
+use nalgebra::{UnitQuaternion, Vector3};
+use std::f64::consts::FRAC_PI_2;
+
+/// A camera at a height of half a metre that looks along x, and a cabinet 2 m before it; a wall 4 m off.
+struct Room {
+    map: ObjectMap,
+    camera: Camera,
+    frames: u32,
+}
+
+fn base_from_camera() -> Pose {
+    let rotation = UnitQuaternion::from_euler_angles(-FRAC_PI_2, 0.0, -FRAC_PI_2);
+    Pose::from_parts(nalgebra::Translation3::new(0.0, 0.0, 0.5), rotation)
+}
+
+fn cabinet(y: f64) -> Ellipsoid {
+    Ellipsoid::new(Pose::translation(2.2, y, 0.5), Vector3::new(0.2, 0.3, 0.4))
+}
+
+impl Room {
+    fn new(life: LifeSettings) -> Self {
+        let settings = MappingSettings { life, ..MappingSettings::default() };
+        let camera = Camera::new((160, 120), (130.0, 130.0), (79.5, 59.5), Distortion::None);
+        Self { map: ObjectMap::new(settings, slam_settings()), camera: camera.unwrap(), frames: 0 }
+    }
+
+    /// What the cabinet's box in the image is, with the sides of its near face.
+    fn rect(&self, body: &Ellipsoid) -> Rect {
+        let camera_from_base = base_from_camera().inverse();
+        let at = |y: f64, z: f64| {
+            let near = body.center() + Vector3::new(-body.semi_axes.x, y, z);
+            self.camera.project(&(camera_from_base * near)).unwrap()
+        };
+        let (low, high) =
+            (at(body.semi_axes.y, body.semi_axes.z), at(-body.semi_axes.y, -body.semi_axes.z));
+        Rect::new(low.x, low.y, high.x, high.y).unwrap()
+    }
+
+    /// A frame with these boxes, in which depth is nearest of the given things: 4 m where there is nothing.
+    fn look(&mut self, boxes: &[Ellipsoid], things: &[(Rect, f32)]) -> Vec<ObjectChange> {
+        let mut metres = vec![4.0_f32; 160 * 120];
+        for (i, depth) in metres.iter_mut().enumerate() {
+            let (u, v) = ((i % 160) as f64, (i / 160) as f64);
+            for (_, z) in things.iter().filter(|(rect, _)| rect.contains(u, v)) {
+                *depth = depth.min(*z);
+            }
+        }
+        let depth = DepthImage::new(160, 120, metres).unwrap();
+        // A little to the side each time, so that every view is one of its own.
+        let odom_from_base = Pose::translation(0.0, 0.03 * f64::from(self.frames % 8), 0.0);
+        let observations = boxes.iter().map(|body| {
+            let e = body.transformed(&odom_from_base.inverse());
+            let seen = observation("cabinet", e, independent(&e, 0.05, 0.03, 0.02));
+            Observation { rect: Some(self.rect(&e)), ..seen }
+        });
+        let observations = observations.collect();
+        self.frames += 1;
+        let sighted = self.map.observe(&Sighting {
+            stamp: Stamp::from_secs(f64::from(self.frames)),
+            odom_from_base,
+            odometry_covariance: None,
+            observations,
+            view: Some(View {
+                base_from_camera: base_from_camera(),
+                camera: &self.camera,
+                depth: &depth,
+                noise: DepthNoise::default(),
+                max_range_m: 5.0,
+            }),
+        });
+        assert_eq!(sighted.refused, None);
+        sighted.changes
+    }
+
+    fn with_cabinet(&mut self) {
+        let body = cabinet(0.0);
+        for _ in 0..8 {
+            let thing = (self.rect(&body), 2.0);
+            self.look(&[body], &[thing]);
+        }
+        assert_eq!(self.map.confirmed().count(), 1);
+    }
+}
+
+#[test]
+fn what_stands_there_and_is_missed_loses_belief_slowly() {
+    let mut room = Room::new(LifeSettings::default());
+    room.with_cabinet();
+    let before = room.map.all()[0].existence();
+    let thing = (room.rect(&cabinet(0.0)), 2.0);
+    for _ in 0..5 {
+        assert_eq!(room.look(&[], &[thing]), []);
+    }
+    let object = &room.map.all()[0];
+    assert!(object.existence() < before && object.state() == ObjectState::Confirmed);
+}
+
+#[test]
+fn what_is_hidden_loses_nothing_however_long() {
+    let mut room = Room::new(LifeSettings::default());
+    room.with_cabinet();
+    let before = room.map.all()[0].existence();
+    let person = (Rect::new(20.0, 0.0, 140.0, 119.0).unwrap(), 1.0);
+    for _ in 0..50 {
+        assert_eq!(room.look(&[], &[person]), []);
+    }
+    assert_eq!(room.map.all()[0].existence(), before);
+}
+
+#[test]
+fn what_was_carried_away_is_gone_within_five_looks() {
+    let mut room = Room::new(LifeSettings::default());
+    room.with_cabinet();
+    let changes: Vec<_> = (0..5).flat_map(|_| room.look(&[], &[])).collect();
+    assert_eq!(changes, [ObjectChange::Removed(ObjectId(1))]);
+    assert_eq!(room.map.all().len(), 0);
+}
+
+#[test]
+fn an_image_without_depth_says_nothing() {
+    let mut room = Room::new(LifeSettings::default());
+    room.with_cabinet();
+    let before = room.map.all()[0].existence();
+    let blind = (Rect::new(-1.0, -1.0, 160.0, 120.0).unwrap(), f32::NEG_INFINITY);
+    for _ in 0..20 {
+        room.look(&[], &[blind]);
+    }
+    assert_eq!(room.map.all()[0].existence(), before);
+}
+
+#[test]
+fn a_false_detection_never_counts() {
+    let mut room = Room::new(LifeSettings::default());
+    let ghost = cabinet(0.0);
+    let thing = (room.rect(&ghost), 2.0);
+    room.look(&[ghost], &[thing]);
+    for _ in 0..20 {
+        assert_eq!(room.map.confirmed().count(), 0);
+        room.look(&[], &[thing]);
+    }
+    assert!(room.map.all().iter().all(|object| object.existence() < 0.3));
+}
+
+#[test]
+fn what_was_moved_keeps_its_identity_or_not_as_one_likes() {
+    for keeps in [true, false] {
+        let life = LifeSettings { moved_keeps_id: keeps, ..LifeSettings::default() };
+        let mut room = Room::new(life);
+        room.with_cabinet();
+        let body = cabinet(-0.8);
+        for _ in 0..8 {
+            let thing = (room.rect(&body), 2.0);
+            room.look(&[body], &[thing]);
+        }
+        let ids: Vec<ObjectId> = room.map.confirmed().map(|object| object.id).collect();
+        assert_eq!(ids, [ObjectId(if keeps { 1 } else { 2 })]);
+        let y = room.map.all()[0].ellipsoid().center().y;
+        assert!((y + 0.8).abs() < 0.05, "{y}");
+    }
+}
