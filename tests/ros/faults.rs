@@ -1,6 +1,7 @@
 //! What goes wrong is named in one log line and in diagnostics; then work goes on.
 
-use crate::processes::{BAG, BAG_TOPICS, Stage, succeeded};
+use crate::processes::{BAG, BAG_TOPICS, Running, Stage, now, succeeded};
+use std::time::Duration;
 
 /// A sentence of the log, and a part of it that says which.
 const FAULTS: [(&str, &str); 7] = [
@@ -41,20 +42,57 @@ fn work_resumes_when_transforms_come_and_a_second_node_of_the_name_is_named() {
     let node = stage.node(&BAG_TOPICS);
     node.wait_for("runs in domain");
     let mut twin = stage.node_as("twin", &BAG_TOPICS);
-    node.wait_for("another node is called /ellipsoid_slam too");
+    in_diagnostics(&stage, &node, &["another node is called /ellipsoid_slam too"]);
     twin.stop("TERM");
     node.wait_for("no longer: another node");
 
     let without = "/odom,/camera/aligned_depth_to_color/image_raw/compressedDepth,/camera/color/camera_info,/detections";
     let play = ["play", BAG, "--rate", "4", "--wait", "60", "--topics", without];
     succeeded(&stage.program(&play).output().unwrap(), &node);
-    node.wait_for("no transform connects");
+    in_diagnostics(&stage, &node, &["no transform connects"]);
     // The same time once more, now with transforms: the bag is started again.
     succeeded(
         &stage.program(&["play", BAG, "--rate", "2", "--wait", "60"]).output().unwrap(),
         &node,
     );
     node.wait_for("went back by");
-    let peer = stage.peer("rclpy_objects.py", &[]).output().unwrap();
-    succeeded(&peer, &node);
+    in_diagnostics(&stage, &node, &["objects=1"]);
+}
+
+#[test]
+fn images_of_another_size_are_named_and_a_killed_publisher_may_come_back() {
+    let stage = Stage::new();
+    let mut args = vec!["-r", "rgb/camera_info:=/another/camera_info"];
+    args.extend(BAG_TOPICS);
+    let node = stage.node(&args);
+    node.wait_for("runs in domain");
+    let play = || stage.program(&["play", BAG, "--loop", "--wait", "60"]);
+    let mut player = stage.start(play(), "player");
+    let frame = "camera_color_optical_frame";
+    let named = format!("the camera info of \"{frame}\" says 8x6");
+    in_diagnostics(&stage, &node, &[&named, "--calibration", "8", "6", frame]);
+    player.stop("KILL");
+    let silent = "/odom (odometry) has a publisher, but nothing comes";
+    node.wait_for(silent);
+    let _again = stage.start(play(), "player_again");
+    node.wait_for(&format!("no longer: {silent}"));
+}
+
+#[test]
+fn an_interrupted_node_leaves_the_graph_at_once() {
+    let stage = Stage::new();
+    let mut node = stage.node(&[]);
+    let peer = stage.start(stage.peer("rclpy_graph.py", &[]), "peer");
+    peer.wait_for("it is there");
+    assert!(node.stop("INT").success(), "{}", node.log());
+    let left = now();
+    peer.wait_for("it is gone");
+    // Others forget one that says no goodbye after ten seconds at the earliest.
+    assert!(left.elapsed() < Duration::from_secs(5), "{:?}", left.elapsed());
+}
+
+/// Waits until diagnostics have had all of this.
+fn in_diagnostics(stage: &Stage, node: &Running, arguments: &[&str]) {
+    let peer = stage.peer("rclpy_diagnostics.py", arguments).output().unwrap();
+    succeeded(&peer, node);
 }

@@ -9,3 +9,4 @@ mod environment;
 mod fast_dds;
 mod faults;
 mod processes;
+mod services;

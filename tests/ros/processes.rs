@@ -105,7 +105,7 @@ const CYCLONE_ON_LOOPBACK: &str = "<CycloneDDS><Domain><General><Interfaces>\
     <Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>";
 
 #[expect(clippy::disallowed_methods, reason = "a test that waits has to know for how long")]
-fn now() -> Instant {
+pub(crate) fn now() -> Instant {
     Instant::now()
 }
 

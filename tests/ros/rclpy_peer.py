@@ -13,7 +13,7 @@ from nav_msgs.msg import Path
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_srvs.srv import SetBool, Trigger
+from std_srvs.srv import SetBool
 from visualization_msgs.msg import Marker, MarkerArray
 
 PATIENCE_S = 60.0
@@ -66,32 +66,31 @@ assert int(values(mapping)["objects"]) > 0, values(mapping)
 assert values(mapping)["dropped: overflow"] == "0", values(mapping)
 
 
-
 def is_whole(array):
     """Whether all objects are marked that diagnostics count."""
     counted = [values(s)["objects"] for s in diagnostics.message.status if s.name.endswith("mapping")]
-    return [str(sum(m.ns == "ellipsoids" for m in array.markers))] == counted
+    return [str(sum(m.ns == "ellipsoids" and m.action == Marker.ADD for m in array.markers))] == counted
 
 
 # This subscriber comes late: all images are through.
 markers = Latest(MarkerArray, f"{NODE}/markers", latched=True).wait(is_whole)
-path = Latest(Path, f"{NODE}/path", latched=True).wait()
-assert path.header.frame_id == "map" and len(path.poses) > 5, len(path.poses)
-ellipsoids, labels = {}, {}
+path = Latest(Path, f"{NODE}/path", latched=True).wait(lambda path: len(path.poses) > 5)
+assert path.header.frame_id == "map"
+ellipsoids, labels, stamp = {}, {}, None
 for m in markers.markers:
     assert m.header.frame_id == "map"
+    if m.action != Marker.ADD:
+        continue
+    stamp = [m.header.stamp.sec, m.header.stamp.nanosec]
     if m.ns == "ellipsoids":
-        assert m.type == Marker.SPHERE and m.action == Marker.ADD and 0.0 < m.color.a <= 1.0
+        assert m.type == Marker.SPHERE and 0.0 < m.color.a <= 1.0
         p, q, s = m.pose.position, m.pose.orientation, m.scale
-        ellipsoids[str(m.id)] = {
-            "position": [p.x, p.y, p.z],
-            "orientation": [q.x, q.y, q.z, q.w],
-            "scale": [s.x, s.y, s.z],
-        }
+        numbers = [p.x, p.y, p.z, q.x, q.y, q.z, q.w, s.x, s.y, s.z]
+        ellipsoids[str(m.id)] = [f"{v:.9f}" for v in numbers]
     elif m.ns == "labels":
         labels[str(m.id)] = m.text
 with open(sys.argv[1], "w") as file:
-    json.dump({"ellipsoids": ellipsoids, "labels": labels}, file)
+    json.dump({"stamp": stamp, "ellipsoids": ellipsoids, "labels": labels}, file)
 
 # Parameters.
 names = call(ListParameters, f"{NODE}/list_parameters").result.names
@@ -128,5 +127,3 @@ paused = call(SetBool, f"{NODE}/pause", data=True)
 assert paused.success, paused
 diagnostics.wait(lambda a: any(values(s).get("paused") == "true" for s in a.status))
 assert call(SetBool, f"{NODE}/pause", data=False).success
-if "--reset" in sys.argv:
-    assert call(Trigger, f"{NODE}/reset").success

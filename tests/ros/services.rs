@@ -1,0 +1,35 @@
+//! The map's services.
+
+use crate::processes::{BAG, BAG_TOPICS, Stage, succeeded};
+
+const PLAY: [&str; 6] = ["play", BAG, "--rate", "2", "--wait", "60"];
+
+#[test]
+fn cyclone_dds_looks_objects_up_and_saves_and_loads_the_map() {
+    let stage = Stage::new();
+    let node = stage.node(&BAG_TOPICS);
+    node.wait_for("runs in domain");
+    succeeded(&stage.program(&PLAY).output().unwrap(), &node);
+    let map = stage.path("map.json");
+    let peer = stage.peer("cyclone_services.py", &[&map]).output().unwrap();
+    succeeded(&peer, &node);
+
+    // Another node begins with this map, and does not begin with what is none.
+    let file = format!("map.file:={map}");
+    let next = stage.node_as("next", &["-p", &file, "-p", "map.load_on_start:=true"]);
+    next.wait_for("objects is loaded");
+    std::fs::write(&map, "no map").unwrap();
+    let mut refused = stage.node_as("refused", &["-p", &file, "-p", "map.load_on_start:=true"]);
+    assert!(!refused.wait().success());
+    assert!(refused.log().contains("map.json"), "{}", refused.log());
+}
+
+#[test]
+fn a_reset_map_is_empty_and_its_markers_are_deleted() {
+    let stage = Stage::new();
+    let node = stage.node(&BAG_TOPICS);
+    node.wait_for("runs in domain");
+    let _player = stage.start(stage.program(&["play", BAG, "--loop", "--wait", "60"]), "player");
+    let peer = stage.peer("rclpy_reset.py", &[]).output().unwrap();
+    succeeded(&peer, &node);
+}
