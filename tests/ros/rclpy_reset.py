@@ -1,4 +1,7 @@
-"""Pauses and resets a node that has a map: nothing is worked on in between, and each marker is deleted."""
+"""Pauses and resets a node that has a map: nothing is worked on in between, and each marker is deleted.
+
+Before that, a debug image has to come.
+"""
 
 import sys
 import time
@@ -6,13 +9,14 @@ import time
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import Image
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 NODE = "/ellipsoid_slam"
 rclpy.init()
 node = rclpy.create_node("reset_peer")
-shown, values = set(), {}
+shown, values, images = set(), {}, []
 
 
 def take_markers(array):
@@ -27,6 +31,7 @@ def take_diagnostics(array):
 
 latched = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 node.create_subscription(MarkerArray, f"{NODE}/markers", take_markers, latched)
+node.create_subscription(Image, f"{NODE}/debug_image", images.append, 10)
 node.create_subscription(DiagnosticArray, "/diagnostics", take_diagnostics, 10)
 
 
@@ -47,6 +52,12 @@ def call(kind, name, **request):
 
 
 wait_for("markers", lambda: any(ns == "ellipsoids" for ns, _ in shown))
+wait_for("a debug image", lambda: images)
+image = images[0]
+assert (image.encoding, len(image.data)) == ("rgb8", 3 * image.width * image.height), image.encoding
+# Boxes of objects have their colours, which are bright; the scene is dull.
+pixels = zip(image.data[0::3], image.data[1::3], image.data[2::3])
+assert any(max(pixel) - min(pixel) > 150 for pixel in pixels)
 call(SetBool, f"{NODE}/pause", data=True)
 wait_for("paused", lambda: values.get("paused") == "true")
 before = values["frames"]

@@ -27,7 +27,9 @@ fn cyclone_dds_looks_objects_up_and_saves_and_loads_the_map() {
 #[test]
 fn a_reset_map_is_empty_and_its_markers_are_deleted() {
     let stage = Stage::new();
-    let node = stage.node(&BAG_TOPICS);
+    let mut args = BAG_TOPICS.to_vec();
+    args.extend(["-p", "publish.debug_image:=true", "-p", "topics.rgb_transport:=compressed"]);
+    let node = stage.node(&args);
     node.wait_for("runs in domain");
     let _player = stage.start(stage.program(&["play", BAG, "--loop", "--wait", "60"]), "player");
     let peer = stage.peer("rclpy_reset.py", &[]).output().unwrap();
