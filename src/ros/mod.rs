@@ -32,4 +32,4 @@ pub use names::NameError;
 pub use node::{NodeError, run_node};
 pub use participant::{DdsDomain, DomainError};
 pub use player::{PlayError, Player};
-pub use worker::MapFiles;
+pub use worker::{LoadMap, MapFiles, SaveMap};

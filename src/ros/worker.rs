@@ -44,10 +44,15 @@ pub struct MapFiles {
     /// The map that the node begins with.
     pub at_start: Option<SavedMap>,
     /// Reads a file.
-    pub load: Box<dyn FnMut(&Path) -> Result<SavedMap, String> + Send>,
+    pub load: LoadMap,
     /// Writes a file.
-    pub save: Box<dyn FnMut(&Path, &SavedMap) -> Result<(), String> + Send>,
+    pub save: SaveMap,
 }
+
+/// Reads the map of a file.
+pub type LoadMap = Box<dyn FnMut(&Path) -> Result<SavedMap, String> + Send>;
+/// Writes a map into a file.
+pub type SaveMap = Box<dyn FnMut(&Path, &SavedMap) -> Result<(), String> + Send>;
 
 /// The core with what surrounds it on its thread.
 pub(super) struct Worker {
