@@ -31,6 +31,13 @@ pub(super) struct Faces {
     pub(super) faces: [Face; 6],
 }
 
+/// How far things of a class usually reach along an axis.
+#[derive(Clone, Copy)]
+struct Usual {
+    extent_m: f64,
+    sigma_m: f64,
+}
+
 impl Faces {
     /// Finds the faces of a segment whose axes are turned by `yaw`.
     pub(super) fn measure(
@@ -140,20 +147,7 @@ impl Faces {
     /// that is not known, somewhat further, for objects are seldom much thinner than they are wide and high.
     fn guess_what_is_hidden(&mut self, prior: &ClassPrior) {
         let extents: [f64; 3] = std::array::from_fn(|axis| self.extent_m(axis));
-        let is_open =
-            |axis: usize| self.faces[2 * axis..2 * axis + 2].iter().any(|f| !f.side.is_known());
-        // Where both are open and neither is longer than the shorter usual one, it is not known which is which.
-        let ambiguous = prior.size_m.filter(|[_, short, _]| {
-            let is_short = |axis: usize| extents[axis] < SHORT_SHARE * short;
-            is_open(0) && is_open(1) && is_short(0) && is_short(1)
-        });
-        let usual = match ambiguous {
-            Some([long, short, height]) => {
-                Some([0.5 * (long + short), 0.5 * (long + short), height])
-            }
-            None => prior.size_m.map(|size| usual_extents(size, &extents)),
-        };
-        let unclear_m = ambiguous.map_or(0.0, |[long, short, _]| 0.5 * (long - short));
+        let usual = prior.size_m.map(|size| self.usual_sizes(size));
         let round_m = self.diameter_m(prior);
         // The bottom is settled by what the object stands on.
         for i in [0, 1, 2, 3, 5] {
@@ -165,10 +159,7 @@ impl Faces {
                     let diameter_m = round_m.unwrap_or_default();
                     (diameter_m - extents[axis], ROUND_SPREAD * diameter_m)
                 }
-                (_, Some(usual)) => {
-                    let unclear_m = if axis < 2 { unclear_m } else { 0.0 };
-                    (usual[axis] - extents[axis], (SIZE_SPREAD * usual[axis]).hypot(unclear_m))
-                }
+                (_, Some(usual)) => (usual[axis].extent_m - extents[axis], usual[axis].sigma_m),
                 (Side::Hidden, None) => {
                     let beyond = HIDDEN_SHARE * across.max(0.5 * extents[axis]);
                     (beyond, 1.5 * beyond)
@@ -184,6 +175,27 @@ impl Faces {
             face.guessed_m += guess;
             face.sigma_m = face.sigma_m.hypot(sigma_m).max(least_m);
         }
+    }
+
+    /// The class's usual extents along the axes, as far as what was seen tells which of them is the longer one: an
+    /// extent with a hidden end may be any part of the usual one, but not much more.
+    fn usual_sizes(&self, [long, short, height]: [f64; 3]) -> [Usual; 3] {
+        let oddity = |axis: usize, usual: f64| {
+            let is_open =
+                self.faces[2 * axis..2 * axis + 2].iter().any(|face| !face.side.is_known());
+            let off = (self.extent_m(axis) / usual).ln() / SIZE_SPREAD;
+            if is_open { off.max(0.0).powi(2) } else { off.powi(2) }
+        };
+        let along = oddity(0, long) + oddity(1, short);
+        let across = oddity(0, short) + oddity(1, long);
+        let is_along = 1.0 / (1.0 + (0.5 * (along - across)).exp());
+        let unclear_m = (is_along * (1.0 - is_along)).sqrt() * (long - short);
+        let either = |share: f64| {
+            let extent_m = share * long + (1.0 - share) * short;
+            Usual { extent_m, sigma_m: (SIZE_SPREAD * extent_m).hypot(unclear_m) }
+        };
+        let upright = Usual { extent_m: height, sigma_m: SIZE_SPREAD * height };
+        [either(is_along), either(1.0 - is_along), upright]
     }
 
     /// How wide something round is, if both its ends along one horizontal axis are known (m).
@@ -447,8 +459,6 @@ const SUPPORT_REACH_M: f64 = 0.05;
 const LEGS_SIGMA_M: f64 = 0.02;
 /// Objects of one class differ in size by about this share.
 const SIZE_SPREAD: f64 = 0.25;
-/// What is longer than this share of the shorter usual extent is the longer side.
-const SHORT_SHARE: f64 = 1.15;
 /// Round things have handles and leaves: their two widths differ by about this share.
 const ROUND_SPREAD: f64 = 0.25;
 /// Guesses are not better than this (m).
