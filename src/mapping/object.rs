@@ -173,7 +173,7 @@ impl MapObject {
             self.tie_measured(graph, measured, (pose, keyframe_from_base), settings)?;
         }
         let sides = &observation.sides;
-        if settings.boxes && sides.sides.iter().any(Option::is_some) {
+        if (settings.boxes || settings.silhouettes) && sides.sides.iter().any(Option::is_some) {
             let outline = match settings.box_outline {
                 BoxOutline::Class => self.outline,
                 BoxOutline::Ellipsoid => Outline::Ellipsoid,

@@ -117,6 +117,16 @@ impl Faces {
         }
     }
 
+    /// Depth cameras see nothing of handles and leaves: where something round ends is less sure than where its points do.
+    pub(super) fn allow_for_handles(&mut self, outline: Outline) {
+        if outline.is_round() {
+            let unseen_m = HANDLE_SHARE * self.extent_m(0).max(self.extent_m(1));
+            for face in &mut self.faces[..4] {
+                face.sigma_m = face.sigma_m.hypot(unseen_m);
+            }
+        }
+    }
+
     /// A back rest without its seat, a screen without its foot: what is lower down may reach farther than what was
     /// seen, to either side, in proportion to the sizes that the class usually has. Of what the image cuts
     /// (`needs_both`) the front is known, unless only a sliver was seen: thin along both axes.
@@ -200,11 +210,10 @@ impl Faces {
 
     /// How wide something round is, if both its ends along one horizontal axis are known (m).
     fn diameter_m(&self, prior: &ClassPrior) -> Option<f64> {
-        let is_round = matches!(prior.outline, Outline::Cylinder | Outline::Ellipsoid);
-        let is_closed = |axis: &usize| {
+                let is_closed = |axis: &usize| {
             self.faces[2 * axis..2 * axis + 2].iter().all(|face| face.side.is_known())
         };
-        (0..2).find(is_closed).filter(|_| is_round).map(|axis| self.extent_m(axis))
+        (0..2).find(is_closed).filter(|_| prior.outline.is_round()).map(|axis| self.extent_m(axis))
     }
 
     /// The class's usual extents along the axes (m).
@@ -280,27 +289,30 @@ fn measure_face(
         Blur { noise_m, step_m, band_m: EDGE_BAND_PX * step_m / segment.stride },
     );
     rim.retain(|p| p.at.coords.dot(outward) > end.position_m - 0.01 - 2.0 * noise_m);
-    let side = match what_lies_beyond(frame, segment, &rim, outward) {
-        Side::Seen
-            if may_go_on_outside_image(segment, &rim, outward)
-                && !(outward.z > 0.0 && is_usual_height(extent, prior)) =>
-        {
-            Side::Cut
+    let (side, unseen_m) = match what_lies_beyond(frame, segment, &rim, outward) {
+        Side::Seen if may_go_on_outside_image(segment, &rim, outward) => {
+            let is_top = outward.z > 0.0;
+            if is_top && prior.carries {
+                (Side::Seen, 0.0)
+            } else if is_top && is_usual_height(extent, prior) {
+                (Side::Seen, CUT_TOP_SHARE * extent)
+            } else {
+                (Side::Cut, 0.0)
+            }
         }
-        side => side,
+        side => (side, 0.0),
     };
     Face {
         position_m: end.position_m,
-        sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M),
+        sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M).hypot(unseen_m),
         side,
         guessed_m: 0.0,
     }
 }
 
-/// Whether the top is where it usually is: what is as high as its class will not be higher outside the image, and what
-/// carries other things is level.
+/// Whether what was seen is as high as its class: no more of it will be outside the image, but for a handle.
 fn is_usual_height(seen_m: f64, prior: &ClassPrior) -> bool {
-    prior.carries || prior.size_m.is_some_and(|[_, _, height]| seen_m > USUAL_SHARE * height)
+    prior.size_m.is_some_and(|[_, _, height]| seen_m > USUAL_SHARE * height)
 }
 
 /// Whether more of the outermost points may be outside the image. The face that is turned to the camera goes on there
@@ -451,6 +463,8 @@ const TURNED_AWAY: f64 = 0.3;
 /// Things are symmetric to this share of their extent.
 const MIRROR_SIGMA_SHARE: f64 = 0.08;
 const MIN_EXTENT_M: f64 = 0.005;
+/// Handles and leaves reach this much farther, as a share of the width.
+const HANDLE_SHARE: f64 = 0.1;
 const MAX_LOOKS: usize = 80;
 const MAX_REACH: u32 = 3;
 /// Points this near to the support plane are taken to reach it (m).
@@ -465,5 +479,7 @@ const ROUND_SPREAD: f64 = 0.25;
 const MIN_GUESS_SIGMA_M: f64 = 0.05;
 /// What is below a bottom that the box cuts off, as a share of the height.
 const CUT_BOTTOM_SHARE: f64 = 0.25;
+/// A handle above a top that the image cuts off, as a share of the height.
+const CUT_TOP_SHARE: f64 = 0.2;
 const HIDDEN_SHARE: f64 = 0.3;
 const CUT_SHARE: f64 = 0.1;
