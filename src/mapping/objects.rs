@@ -9,6 +9,7 @@ use crate::{
     graph::{Graph, PoseId},
     time::Stamp,
 };
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -213,6 +214,11 @@ impl ObjectMap {
     /// What corrects odometry at a time when there were so many keyframes, after all that is known now.
     pub fn map_from_odom_at(&self, stamp: Stamp, keyframes: usize) -> Pose {
         self.chain.map_from_odom_at(&self.graph, stamp, keyframes)
+    }
+
+    /// The latest keyframe's pose in the map and its covariance: `[rotation, translation]`, a right perturbation (rad, m).
+    pub fn latest_pose(&self) -> Option<(Pose, SMatrix<f64, 6, 6>)> {
+        self.chain.latest(&self.graph)
     }
 
     /// Poses in the graph.

@@ -6,6 +6,7 @@ use crate::{
     graph::{Graph, Noise, NoiseError, PoseId, PosePrior, RelativePose, step_covariance},
     time::Stamp,
 };
+use nalgebra::SMatrix;
 
 /// A pose of the graph and the odometry it came with.
 #[derive(Clone, Debug)]
@@ -88,6 +89,13 @@ impl Chain {
     /// Forgets all but the first keyframes.
     pub(super) fn truncate(&mut self, count: usize) {
         self.keyframes.truncate(count);
+    }
+
+    /// The latest keyframe's pose and its covariance, `[rotation, translation]` in the base frame.
+    pub(super) fn latest(&self, graph: &Graph) -> Option<(Pose, SMatrix<f64, 6, 6>)> {
+        let pose = self.keyframes.last()?.pose;
+        let covariance = graph.covariance(&[pose.into()]).fixed_view::<6, 6>(0, 0).into_owned();
+        Some((graph.pose(pose), covariance))
     }
 
     pub(super) fn len(&self) -> usize {

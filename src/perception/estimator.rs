@@ -89,7 +89,8 @@ pub fn estimate_object(
     faces.allow_for_handles(prior.outline);
     let known = faces.faces[..4].iter().filter(|f| f.side.is_known()).count();
     // Without a usual size there is nothing to guess from.
-    if known == 0 && prior.size_m.is_none() {
+    let is_guess = prior.size_m.is_some_and(|size| !faces.is_sliver(size));
+    if known == 0 && !is_guess {
         return Err(Refused::TooLittleSeen { known });
     }
     observer.enter(Some(Stage::Fit));
@@ -107,7 +108,11 @@ pub fn estimate_object(
     let camera_from_level = frame.level_from_camera().inverse();
     Ok(EllipsoidMeasurement {
         ellipsoid: in_level.transformed(&camera_from_level),
-        covariance: faces.covariance(yaw_sigma(&heading, &faces, prior.outline), TILT_SIGMA_RAD),
+        covariance: faces.covariance(
+            yaw_sigma(&heading, &faces, prior.outline),
+            TILT_SIGMA_RAD,
+            faces.place_sigma_m(&prior),
+        ),
         sides: faces.faces.map(|face| face.side),
         silhouette: faces.silhouette(frame, &segment),
         outline: prior.outline,

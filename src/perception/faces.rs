@@ -127,6 +127,21 @@ impl Faces {
         }
     }
 
+    /// Whether it is thinner along a horizontal axis than things of its usual size are: not all of the object.
+    pub(super) fn is_sliver(&self, [_, short, _]: [f64; 3]) -> bool {
+        (0..2).any(|axis| self.extent_m(axis) < SLIVER_SHARE * short)
+    }
+
+    /// Where none of the upright faces was seen, what was seen may be any part of the object, or something beside it:
+    /// the standard deviation of where it is along either horizontal axis, besides that of its faces (m).
+    pub(super) fn place_sigma_m(&self, prior: &ClassPrior) -> f64 {
+        let is_seen = |face: &Face| matches!(face.side, Side::Seen | Side::Mirrored);
+        match prior.size_m {
+            Some([long, ..]) if !self.faces[..4].iter().any(is_seen) => long,
+            _ => 0.0,
+        }
+    }
+
     /// A back rest without its seat, a screen without its foot: what is lower down may reach farther than what was
     /// seen, to either side, in proportion to the sizes that the class usually has. Of what the image cuts
     /// (`needs_both`) the front is known, unless only a sliver was seen: thin along both axes.
@@ -210,7 +225,7 @@ impl Faces {
 
     /// How wide something round is, if both its ends along one horizontal axis are known (m).
     fn diameter_m(&self, prior: &ClassPrior) -> Option<f64> {
-                let is_closed = |axis: &usize| {
+        let is_closed = |axis: &usize| {
             self.faces[2 * axis..2 * axis + 2].iter().all(|face| face.side.is_known())
         };
         (0..2).find(is_closed).filter(|_| prior.outline.is_round()).map(|axis| self.extent_m(axis))
@@ -237,7 +252,12 @@ impl Faces {
     ///
     /// Centre and semi-axis are half the sum and half the difference of two faces: where only one of them
     /// is known they are strongly correlated, and the next view of the other face settles both.
-    pub(super) fn covariance(&self, yaw_sigma: f64, tilt_sigma: f64) -> SMatrix<f64, 9, 9> {
+    pub(super) fn covariance(
+        &self,
+        yaw_sigma: f64,
+        tilt_sigma: f64,
+        place_sigma_m: f64,
+    ) -> SMatrix<f64, 9, 9> {
         let mut covariance = SMatrix::<f64, 9, 9>::zeros();
         covariance[(0, 0)] = tilt_sigma.powi(2);
         covariance[(1, 1)] = tilt_sigma.powi(2);
@@ -251,6 +271,9 @@ impl Faces {
             covariance[(s, s)] = 0.25 * (low + high) / (semi * semi);
             covariance[(t, s)] = 0.25 * (high - low) / semi;
             covariance[(s, t)] = covariance[(t, s)];
+        }
+        for t in 3..5 {
+            covariance[(t, t)] += place_sigma_m.powi(2);
         }
         covariance
     }
@@ -458,6 +481,8 @@ const USUAL_SHARE: f64 = 0.85;
 const UNSEEN_SHARE: f64 = 0.25;
 /// What is thinner than this share of the usual extent is not all of the object.
 const THIN_SHARE: f64 = 0.75;
+/// What is thinner than this share of the shorter usual extent is a sliver.
+const SLIVER_SHARE: f64 = 0.25;
 /// Cosine between the view and a face's outward direction from which on the face is turned away.
 const TURNED_AWAY: f64 = 0.3;
 /// Things are symmetric to this share of their extent.
