@@ -11,7 +11,6 @@ use super::{
     segmentation::{Segment, SurfacePoint},
     silhouette::BoxSide,
 };
-use crate::geometry::Outline;
 use nalgebra::{Isometry3, Point3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// One face, by its coordinate along the outward direction.
@@ -114,31 +113,6 @@ impl Faces {
             {
                 face.side = Side::Hidden;
             }
-        }
-    }
-
-    /// Depth cameras see nothing of handles and leaves: where something round ends is less sure than where its points do.
-    pub(super) fn allow_for_handles(&mut self, outline: Outline) {
-        if outline.is_round() {
-            let unseen_m = HANDLE_SHARE * self.extent_m(0).max(self.extent_m(1));
-            for face in &mut self.faces[..4] {
-                face.sigma_m = face.sigma_m.hypot(unseen_m);
-            }
-        }
-    }
-
-    /// Whether it is thinner along a horizontal axis than things of its usual size are: not all of the object.
-    pub(super) fn is_sliver(&self, [_, short, _]: [f64; 3]) -> bool {
-        (0..2).any(|axis| self.extent_m(axis) < SLIVER_SHARE * short)
-    }
-
-    /// Where none of the upright faces was seen, what was seen may be any part of the object, or something beside it:
-    /// the standard deviation of where it is along either horizontal axis, besides that of its faces (m).
-    pub(super) fn place_sigma_m(&self, prior: &ClassPrior) -> f64 {
-        let is_seen = |face: &Face| matches!(face.side, Side::Seen | Side::Mirrored);
-        match prior.size_m {
-            Some([long, ..]) if !self.faces[..4].iter().any(is_seen) => long,
-            _ => 0.0,
         }
     }
 
@@ -481,15 +455,11 @@ const USUAL_SHARE: f64 = 0.85;
 const UNSEEN_SHARE: f64 = 0.25;
 /// What is thinner than this share of the usual extent is not all of the object.
 const THIN_SHARE: f64 = 0.75;
-/// What is thinner than this share of the shorter usual extent is a sliver.
-const SLIVER_SHARE: f64 = 0.25;
 /// Cosine between the view and a face's outward direction from which on the face is turned away.
 const TURNED_AWAY: f64 = 0.3;
 /// Things are symmetric to this share of their extent.
 const MIRROR_SIGMA_SHARE: f64 = 0.08;
 const MIN_EXTENT_M: f64 = 0.005;
-/// Handles and leaves reach this much farther, as a share of the width.
-const HANDLE_SHARE: f64 = 0.1;
 const MAX_LOOKS: usize = 80;
 const MAX_REACH: u32 = 3;
 /// Points this near to the support plane are taken to reach it (m).
