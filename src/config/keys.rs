@@ -196,6 +196,7 @@ const METHOD_KEYS: &[Key] = &[
     ),
     other("slam.observations", "single-frame ellipsoids, eq. (13)"),
     other("slam.boxes", "the detector's boxes, eq. (15), besides what faces take from them"),
+    other("slam.silhouettes", "of round objects, sides that are seen to be the silhouette"),
     number("slam.box_sigma_px", 0.01, 1000.0, "standard deviation of a box's side [px]"),
     number("slam.box_sigma_ratio", 0.0, 1.0, "besides, as a share of the box's width or height"),
     number("slam.box_border_px", 0.0, 1000.0, "a side this near to the image's border is cut [px]"),

@@ -22,6 +22,11 @@ pub enum Outline {
 }
 
 impl Outline {
+    /// Whether its footprint is an ellipse.
+    pub fn is_round(self) -> bool {
+        matches!(self, Self::Ellipsoid | Self::Cylinder)
+    }
+
     /// How far out a point is: 1 on the surface, proportional to the distance from the centre along its ray.
     ///
     /// `scaled` is the point in the object's frame, divided by the semi-axes. For an ellipsoid, `F` of Liao et

@@ -19,6 +19,7 @@ mod queries;
 mod relocalisation;
 mod saved;
 mod slam_settings;
+mod ties;
 mod views;
 mod visibility;
 

@@ -5,6 +5,7 @@ use super::{
     Weighting,
     existence::Existence,
     odometry::Place,
+    ties::{Tie, TieFactor},
     views::{View, Views},
 };
 use crate::{
@@ -66,44 +67,6 @@ pub struct MapObject {
     pub(super) crowded: u32,
 }
 
-/// A factor that is not counted by its direction.
-#[derive(Clone, Debug)]
-enum Tie {
-    Box(BoxObservation),
-    Support(SupportContact),
-    /// With the paper's weights.
-    Measured(Box<EllipsoidObservation>),
-    /// What an earlier run knew.
-    Prior(EllipsoidPrior),
-}
-
-impl Tie {
-    fn add(self, graph: &mut Graph, variable: EllipsoidId) -> Self {
-        match self {
-            Self::Box(factor) => {
-                let factor = factor.of(variable);
-                graph.add_factor(factor.clone());
-                Self::Box(factor)
-            }
-            Self::Support(factor) => {
-                let factor = factor.of(variable);
-                graph.add_factor(factor.clone());
-                Self::Support(factor)
-            }
-            Self::Measured(factor) => {
-                let factor = factor.of(variable);
-                graph.add_factor(factor.clone());
-                Self::Measured(Box::new(factor))
-            }
-            Self::Prior(factor) => {
-                let factor = factor.of(variable);
-                graph.add_factor(factor.clone());
-                Self::Prior(factor)
-            }
-        }
-    }
-}
-
 impl MapObject {
     pub(super) fn new(
         id: ObjectId,
@@ -148,7 +111,7 @@ impl MapObject {
         let variable = graph.add_ellipsoid(saved.ellipsoid);
         let prior = EllipsoidPrior::new(variable, saved.ellipsoid, noise);
         let prior = prior.with_kernel(settings.robust_kernel());
-        graph.add_factor(prior.clone());
+        let prior = Tie::new(graph, TieFactor::Prior(prior), None);
         let votes = f64::from(saved.observations);
         let height = saved.support_height_m;
         Ok(Self {
@@ -162,7 +125,7 @@ impl MapObject {
             support_heights: if height.is_some() { saved.observations.max(1) } else { 0 },
             variable,
             views: Views::default(),
-            ties: vec![Tie::Prior(prior)],
+            ties: vec![prior],
             centers: Vec::new(),
             ellipsoid: saved.ellipsoid,
             covariance: saved.covariance,
@@ -178,6 +141,7 @@ impl MapObject {
     pub(super) fn move_map(&mut self, new_from_old: &Pose) {
         self.ellipsoid = self.ellipsoid.transformed(new_from_old);
         self.centers.iter_mut().for_each(|center| *center = new_from_old * *center);
+        self.ties.iter_mut().for_each(|tie| tie.move_map(new_from_old));
         if let Some(height) = &mut self.support_height_m {
             *height += new_from_old.translation.z;
         }
@@ -309,7 +273,7 @@ impl MapObject {
             forgotten = self.tie_measured(graph, measured, place, settings)?;
         }
         let sides = &observation.sides;
-        if settings.boxes && sides.sides.iter().any(Option::is_some) {
+        if (settings.boxes || settings.silhouettes) && sides.sides.iter().any(Option::is_some) {
             let outline = match settings.box_outline {
                 BoxOutline::Class => self.outline,
                 BoxOutline::Ellipsoid => Outline::Ellipsoid,
@@ -322,18 +286,16 @@ impl MapObject {
                 outline,
                 sides.sides,
             )?;
-            let factor = factor.with_kernel(settings.robust_kernel());
-            graph.add_factor(factor.clone());
-            self.ties.push(Tie::Box(factor));
+            let factor = TieFactor::Box(factor.with_kernel(settings.robust_kernel()));
+            self.ties.push(Tie::new(graph, factor, Some(place.keyframe.pose)));
         }
         let support = observation.measured.as_ref().and_then(|measured| measured.support);
         if let Some(plane) = support.filter(|_| settings.support) {
             let plane = plane.transformed(&place.map_from_base(graph));
             let factor =
                 SupportContact::new(self.variable, self.outline, plane, settings.support_sigma_m)?;
-            let factor = factor.with_kernel(settings.robust_kernel());
-            graph.add_factor(factor.clone());
-            self.ties.push(Tie::Support(factor));
+            let factor = TieFactor::Support(factor.with_kernel(settings.robust_kernel()));
+            self.ties.push(Tie::new(graph, factor, None));
         }
         Ok(forgotten)
     }
@@ -359,14 +321,26 @@ impl MapObject {
         )?;
         let factor = factor.with_kernel(settings.robust_kernel());
         if settings.weighting == Weighting::Paper {
-            graph.add_factor(factor.clone());
-            self.ties.push(Tie::Measured(Box::new(factor)));
+            let factor = TieFactor::Measured(Box::new(factor));
+            self.ties.push(Tie::new(graph, factor, Some(place.keyframe.pose)));
             return Ok(None);
         }
         let map_from_keyframe = graph.pose(place.keyframe.pose);
         self.begin_anew_if_wrong(graph, &ellipsoid.transformed(&map_from_keyframe));
         let map_from_object = self.ellipsoid.pose;
-        Ok(self.views.add(graph, &map_from_object, (place.keyframe, factor), settings)?)
+        let view = (place.keyframe, factor);
+        let forgotten = self.views.add(graph, &map_from_object, view, settings)?;
+        self.forget_ties(graph, forgotten.as_slice());
+        Ok(forgotten)
+    }
+
+    /// Forgets what else was seen from keyframes from which no measurement is kept.
+    fn forget_ties(&mut self, graph: &mut Graph, poses: &[PoseId]) {
+        let is_viewed = |pose: &PoseId| self.views.all().any(|view| view.keyframe.pose == *pose);
+        let gone: Vec<PoseId> = poses.iter().copied().filter(|pose| !is_viewed(pose)).collect();
+        let is_gone = |tie: &Tie| tie.pose.is_some_and(|pose| gone.contains(&pose));
+        self.ties.iter().filter(|t| is_gone(t)).for_each(|t| graph.remove_factor(t.in_graph));
+        self.ties.retain(|tie| !is_gone(tie));
     }
 
     /// An object that began with an outlier stays at it: the robust kernel then takes what is right for outliers. So where
@@ -398,7 +372,8 @@ impl MapObject {
         let views: Vec<View> = other.views.all().cloned().collect();
         other.views.take(graph, &views);
         let forgotten = self.views.join(graph, (self.variable, &place), views, settings)?;
-        self.ties.extend(other.ties.into_iter().map(|tie| tie.add(graph, self.variable)));
+        self.ties.extend(other.ties.into_iter().map(|tie| tie.of(graph, self.variable)));
+        self.forget_ties(graph, &forgotten);
         graph.remove_variable(other.variable);
         self.observations += other.observations;
         self.first_seen = self.first_seen.min(other.first_seen);
@@ -437,7 +412,12 @@ impl MapObject {
         let count = wrong.len();
         self.views.take(graph, &wrong);
         let place = (other.variable, &other.ellipsoid.pose.clone());
+        let is_others = |tie: &Tie| wrong.iter().any(|v| tie.pose == Some(v.keyframe.pose));
+        let (theirs, own): (Vec<Tie>, Vec<Tie>) = self.ties.drain(..).partition(is_others);
+        self.ties = own;
+        other.ties.extend(theirs.into_iter().map(|tie| tie.of(graph, other.variable)));
         let forgotten = other.views.join(graph, place, wrong, settings)?;
+        other.forget_ties(graph, &forgotten);
         Ok((count, forgotten))
     }
 

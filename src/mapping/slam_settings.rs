@@ -22,6 +22,9 @@ pub struct SlamSettings {
     /// Whether the detector's boxes are used, eq. (15). Single-frame ellipsoids have them in their faces already, where
     /// it is known which sides others hide.
     pub boxes: bool,
+    /// Whether, of round objects, those sides are used that are seen to be the object's silhouette. Depth cameras see
+    /// neither handles nor leaves; which way a cup is turned is known from how wide its boxes are.
+    pub silhouettes: bool,
     /// Standard deviation of a side of a box (px).
     pub box_sigma_px: f64,
     /// Besides, as a share of the box's width or height.
@@ -117,6 +120,7 @@ impl Default for SlamSettings {
             kernel_threshold: 3.0,
             observations: true,
             boxes: false,
+            silhouettes: true,
             box_sigma_px: 3.0,
             box_sigma_ratio: 0.02,
             box_border_px: 2.0,

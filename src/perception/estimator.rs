@@ -86,9 +86,11 @@ pub fn estimate_object(
     let symmetry = complete_by_symmetry(frame, &segment, prior.symmetry, &mut faces);
     faces.stay_in_box(frame, &segment, prior.outline)?;
     faces.reach_box(frame, &segment, &prior);
+    faces.allow_for_handles(prior.outline);
     let known = faces.faces[..4].iter().filter(|f| f.side.is_known()).count();
     // Without a usual size there is nothing to guess from.
-    if known == 0 && prior.size_m.is_none() {
+    let is_guess = prior.size_m.is_some_and(|size| !faces.is_sliver(size));
+    if known == 0 && !is_guess {
         return Err(Refused::TooLittleSeen { known });
     }
     observer.enter(Some(Stage::Fit));
@@ -106,8 +108,13 @@ pub fn estimate_object(
     let camera_from_level = frame.level_from_camera().inverse();
     Ok(EllipsoidMeasurement {
         ellipsoid: in_level.transformed(&camera_from_level),
-        covariance: faces.covariance(yaw_sigma(&heading, &faces, prior.outline), TILT_SIGMA_RAD),
+        covariance: faces.covariance(
+            yaw_sigma(&heading, &faces, prior.outline),
+            TILT_SIGMA_RAD,
+            faces.place_sigma_m(&prior),
+        ),
         sides: faces.faces.map(|face| face.side),
+        silhouette: faces.silhouette(frame, &segment),
         outline: prior.outline,
         probability,
         symmetry: symmetry
@@ -128,20 +135,16 @@ fn outline_of(fit: FitModel, outline: Outline) -> Outline {
 
 /// The object's heading: from its vertical faces if it has them, otherwise from its footprint.
 fn heading(segment: &Segment<'_>, outline: Outline) -> Heading {
-    let has_faces = !is_round(outline);
+    let has_faces = !outline.is_round();
     let of_faces = if has_faces { heading_of_faces(&segment.points) } else { None };
     of_faces.unwrap_or_else(|| heading_of_rectangle(&segment.points))
-}
-
-fn is_round(outline: Outline) -> bool {
-    matches!(outline, Outline::Ellipsoid | Outline::Cylinder)
 }
 
 /// Yaw of a round footprint means nothing: its uncertainty grows to "any" as the sides become equal.
 fn yaw_sigma(heading: &Heading, faces: &Faces, outline: Outline) -> f64 {
     let (a, b) = (faces.extent_m(0), faces.extent_m(1));
     let elongation = (a - b).abs() / a.max(b);
-    if is_round(outline) {
+    if outline.is_round() {
         // The tangent of an ellipse turns with its axes only as far as it is no circle, and only what was seen counts.
         let is_seen = faces.faces[..4].iter().all(|face| face.side.is_known());
         let telling = if is_seen { elongation } else { 0.0 };

@@ -11,7 +11,6 @@ use super::{
     segmentation::{Segment, SurfacePoint},
     silhouette::BoxSide,
 };
-use crate::geometry::Outline;
 use nalgebra::{Isometry3, Point3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// One face, by its coordinate along the outward direction.
@@ -29,6 +28,13 @@ pub(super) struct Face {
 pub(super) struct Faces {
     pub(super) yaw: f64,
     pub(super) faces: [Face; 6],
+}
+
+/// How far things of a class usually reach along an axis.
+#[derive(Clone, Copy)]
+struct Usual {
+    extent_m: f64,
+    sigma_m: f64,
 }
 
 impl Faces {
@@ -140,20 +146,7 @@ impl Faces {
     /// that is not known, somewhat further, for objects are seldom much thinner than they are wide and high.
     fn guess_what_is_hidden(&mut self, prior: &ClassPrior) {
         let extents: [f64; 3] = std::array::from_fn(|axis| self.extent_m(axis));
-        let is_open =
-            |axis: usize| self.faces[2 * axis..2 * axis + 2].iter().any(|f| !f.side.is_known());
-        // Where both are open and neither is longer than the shorter usual one, it is not known which is which.
-        let ambiguous = prior.size_m.filter(|[_, short, _]| {
-            let is_short = |axis: usize| extents[axis] < SHORT_SHARE * short;
-            is_open(0) && is_open(1) && is_short(0) && is_short(1)
-        });
-        let usual = match ambiguous {
-            Some([long, short, height]) => {
-                Some([0.5 * (long + short), 0.5 * (long + short), height])
-            }
-            None => prior.size_m.map(|size| usual_extents(size, &extents)),
-        };
-        let unclear_m = ambiguous.map_or(0.0, |[long, short, _]| 0.5 * (long - short));
+        let usual = prior.size_m.map(|size| self.usual_sizes(size));
         let round_m = self.diameter_m(prior);
         // The bottom is settled by what the object stands on.
         for i in [0, 1, 2, 3, 5] {
@@ -165,10 +158,7 @@ impl Faces {
                     let diameter_m = round_m.unwrap_or_default();
                     (diameter_m - extents[axis], ROUND_SPREAD * diameter_m)
                 }
-                (_, Some(usual)) => {
-                    let unclear_m = if axis < 2 { unclear_m } else { 0.0 };
-                    (usual[axis] - extents[axis], (SIZE_SPREAD * usual[axis]).hypot(unclear_m))
-                }
+                (_, Some(usual)) => (usual[axis].extent_m - extents[axis], usual[axis].sigma_m),
                 (Side::Hidden, None) => {
                     let beyond = HIDDEN_SHARE * across.max(0.5 * extents[axis]);
                     (beyond, 1.5 * beyond)
@@ -186,13 +176,33 @@ impl Faces {
         }
     }
 
+    /// The class's usual extents along the axes, as far as what was seen tells which of them is the longer one: an
+    /// extent with a hidden end may be any part of the usual one, but not much more.
+    fn usual_sizes(&self, [long, short, height]: [f64; 3]) -> [Usual; 3] {
+        let oddity = |axis: usize, usual: f64| {
+            let is_open =
+                self.faces[2 * axis..2 * axis + 2].iter().any(|face| !face.side.is_known());
+            let off = (self.extent_m(axis) / usual).ln() / SIZE_SPREAD;
+            if is_open { off.max(0.0).powi(2) } else { off.powi(2) }
+        };
+        let along = oddity(0, long) + oddity(1, short);
+        let across = oddity(0, short) + oddity(1, long);
+        let is_along = 1.0 / (1.0 + (0.5 * (along - across)).exp());
+        let unclear_m = (is_along * (1.0 - is_along)).sqrt() * (long - short);
+        let either = |share: f64| {
+            let extent_m = share * long + (1.0 - share) * short;
+            Usual { extent_m, sigma_m: (SIZE_SPREAD * extent_m).hypot(unclear_m) }
+        };
+        let upright = Usual { extent_m: height, sigma_m: SIZE_SPREAD * height };
+        [either(is_along), either(1.0 - is_along), upright]
+    }
+
     /// How wide something round is, if both its ends along one horizontal axis are known (m).
     fn diameter_m(&self, prior: &ClassPrior) -> Option<f64> {
-        let is_round = matches!(prior.outline, Outline::Cylinder | Outline::Ellipsoid);
         let is_closed = |axis: &usize| {
             self.faces[2 * axis..2 * axis + 2].iter().all(|face| face.side.is_known())
         };
-        (0..2).find(is_closed).filter(|_| is_round).map(|axis| self.extent_m(axis))
+        (0..2).find(is_closed).filter(|_| prior.outline.is_round()).map(|axis| self.extent_m(axis))
     }
 
     /// The class's usual extents along the axes (m).
@@ -216,7 +226,12 @@ impl Faces {
     ///
     /// Centre and semi-axis are half the sum and half the difference of two faces: where only one of them
     /// is known they are strongly correlated, and the next view of the other face settles both.
-    pub(super) fn covariance(&self, yaw_sigma: f64, tilt_sigma: f64) -> SMatrix<f64, 9, 9> {
+    pub(super) fn covariance(
+        &self,
+        yaw_sigma: f64,
+        tilt_sigma: f64,
+        place_sigma_m: f64,
+    ) -> SMatrix<f64, 9, 9> {
         let mut covariance = SMatrix::<f64, 9, 9>::zeros();
         covariance[(0, 0)] = tilt_sigma.powi(2);
         covariance[(1, 1)] = tilt_sigma.powi(2);
@@ -230,6 +245,9 @@ impl Faces {
             covariance[(s, s)] = 0.25 * (low + high) / (semi * semi);
             covariance[(t, s)] = 0.25 * (high - low) / semi;
             covariance[(s, t)] = covariance[(t, s)];
+        }
+        for t in 3..5 {
+            covariance[(t, t)] += place_sigma_m.powi(2);
         }
         covariance
     }
@@ -268,27 +286,30 @@ fn measure_face(
         Blur { noise_m, step_m, band_m: EDGE_BAND_PX * step_m / segment.stride },
     );
     rim.retain(|p| p.at.coords.dot(outward) > end.position_m - 0.01 - 2.0 * noise_m);
-    let side = match what_lies_beyond(frame, segment, &rim, outward) {
-        Side::Seen
-            if may_go_on_outside_image(segment, &rim, outward)
-                && !(outward.z > 0.0 && is_usual_height(extent, prior)) =>
-        {
-            Side::Cut
+    let (side, unseen_m) = match what_lies_beyond(frame, segment, &rim, outward) {
+        Side::Seen if may_go_on_outside_image(segment, &rim, outward) => {
+            let is_top = outward.z > 0.0;
+            if is_top && prior.carries {
+                (Side::Seen, 0.0)
+            } else if is_top && is_usual_height(extent, prior) {
+                (Side::Seen, CUT_TOP_SHARE * extent)
+            } else {
+                (Side::Cut, 0.0)
+            }
         }
-        side => side,
+        side => (side, 0.0),
     };
     Face {
         position_m: end.position_m,
-        sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M),
+        sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M).hypot(unseen_m),
         side,
         guessed_m: 0.0,
     }
 }
 
-/// Whether the top is where it usually is: what is as high as its class will not be higher outside the image, and what
-/// carries other things is level.
+/// Whether what was seen is as high as its class: no more of it will be outside the image, but for a handle.
 fn is_usual_height(seen_m: f64, prior: &ClassPrior) -> bool {
-    prior.carries || prior.size_m.is_some_and(|[_, _, height]| seen_m > USUAL_SHARE * height)
+    prior.size_m.is_some_and(|[_, _, height]| seen_m > USUAL_SHARE * height)
 }
 
 /// Whether more of the outermost points may be outside the image. The face that is turned to the camera goes on there
@@ -447,13 +468,13 @@ const SUPPORT_REACH_M: f64 = 0.05;
 const LEGS_SIGMA_M: f64 = 0.02;
 /// Objects of one class differ in size by about this share.
 const SIZE_SPREAD: f64 = 0.25;
-/// What is longer than this share of the shorter usual extent is the longer side.
-const SHORT_SHARE: f64 = 1.15;
 /// Round things have handles and leaves: their two widths differ by about this share.
 const ROUND_SPREAD: f64 = 0.25;
 /// Guesses are not better than this (m).
 const MIN_GUESS_SIGMA_M: f64 = 0.05;
 /// What is below a bottom that the box cuts off, as a share of the height.
 const CUT_BOTTOM_SHARE: f64 = 0.25;
+/// A handle above a top that the image cuts off, as a share of the height.
+const CUT_TOP_SHARE: f64 = 0.2;
 const HIDDEN_SHARE: f64 = 0.3;
 const CUT_SHARE: f64 = 0.1;

@@ -14,6 +14,9 @@ pub struct EllipsoidMeasurement {
     pub covariance: SMatrix<f64, 9, 9>,
     /// How the faces -x, +x, -y, +y, -z, +z are known.
     pub sides: [Side; 6],
+    /// Whether the left, upper, right and lower side of the box are where the object ends before what is behind it:
+    /// neither hidden by something nearer nor cut by the image.
+    pub silhouette: [bool; 4],
     /// What the object's class fills its extents with.
     pub outline: Outline,
     /// The paper's probabilities.

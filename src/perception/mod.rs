@@ -23,6 +23,7 @@ mod silhouette;
 mod stage;
 mod support;
 mod symmetry;
+mod unseen;
 
 pub use classes::{ClassPrior, Classes};
 pub use depth::{DepthError, DepthImage};

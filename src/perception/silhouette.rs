@@ -55,11 +55,26 @@ impl Faces {
         Err(Refused::LargerThanBox { share })
     }
 
+    /// Whether the left, upper, right and lower side of the box stand out against what is behind.
+    pub(super) fn silhouette(&self, frame: &Frame<'_>, segment: &Segment<'_>) -> [bool; 4] {
+        let depth = self.depth_range_m();
+        [BoxSide::Left, BoxSide::Upper, BoxSide::Right, BoxSide::Lower].map(|side| {
+            let beyond_px = SILHOUETTE_SIGMAS * side.sigma_px(&segment.rect);
+            !segment.is_cut_by_image(side)
+                && side.share_hidden(frame, segment, beyond_px, depth) < MAX_HIDDEN
+        })
+    }
+
+    /// Between the nearest and the farthest that the object may be, along the view (m).
+    fn depth_range_m(&self) -> [f64; 2] {
+        let (center, radius) = (self.pose().translation.vector.x, self.semi_axes_m().xy().norm());
+        [center - radius, center + radius]
+    }
+
     /// How far the outline goes on outside the box where it could be seen, as a share of the box.
     fn share_outside(&self, frame: &Frame<'_>, segment: &Segment<'_>, outline: Outline) -> f64 {
         let rect = &segment.rect;
-        let (center, radius) = (self.pose().translation.vector.x, self.semi_axes_m().xy().norm());
-        let depth = [center - radius, center + radius];
+        let depth = self.depth_range_m();
         let mut most = 0.0_f64;
         for side in BoxSide::ALL {
             if segment.is_cut_by_image(side) {
@@ -67,7 +82,7 @@ impl Faces {
             }
             let Some(end) = self.projected(frame, side, outline) else { continue };
             let over_px = end - side.of(rect) - 2.0 * TELLING_SIGMAS * side.sigma_px(rect);
-            if over_px > 0.0 && side.is_open(frame, segment, over_px, depth) {
+            if over_px > 0.0 && side.share_hidden(frame, segment, over_px, depth) < 0.5 {
                 most = most.max(over_px / side.extent(rect));
             }
         }
@@ -83,22 +98,28 @@ impl Faces {
             return;
         }
         let mut best: Option<(f64, usize, f64)> = None;
+        let mut second = f64::INFINITY;
         for i in 0..6 {
             if self.faces[i].side == Side::Support {
                 continue;
             }
             let Some(outward_m) = self.needed_m(i, missing_px, &short_px) else { continue };
             let cost = self.oddity(i, outward_m, prior);
-            if best.is_none_or(|(least, ..)| cost < least) {
-                best = Some((cost, i, outward_m));
+            match best {
+                Some((least, ..)) if cost >= least => second = second.min(cost),
+                _ => {
+                    second = best.map_or(second, |(least, ..)| least);
+                    best = Some((cost, i, outward_m));
+                }
             }
         }
-        let Some((_, i, outward_m)) = best else { return };
+        let Some((least, i, outward_m)) = best else { return };
+        let ambiguity = (AMBIGUITY * (0.5 * (least - second)).exp()).max(OUTLINE_SHARE);
         let face = self.faces[i];
         let noise_m = outward_m * sigma_px / missing_px;
         self.faces[i] = Face {
             position_m: face.position_m + outward_m,
-            sigma_m: noise_m.hypot(AMBIGUITY * outward_m).hypot(MIN_SIGMA_M),
+            sigma_m: noise_m.hypot(ambiguity * outward_m).hypot(MIN_SIGMA_M),
             side: Side::Outline,
             guessed_m: 0.0,
         };
@@ -225,17 +246,17 @@ impl BoxSide {
         BOX_SIGMA_PX.hypot(BOX_SIGMA_SHARE * self.extent(rect))
     }
 
-    /// Whether the strip beyond this side, `over_px` wide, shows what is behind or under the object, and neither
-    /// something nearer than `depth_m` nor a surface that goes on where the object is.
-    fn is_open(
+    /// How much of the strip beyond this side, `over_px` wide, shows something nearer than `depth_m` or a surface that
+    /// goes on where the object is, instead of what is behind or under it.
+    fn share_hidden(
         self,
         frame: &Frame<'_>,
         segment: &Segment<'_>,
         over_px: f64,
         depth_m: [f64; 2],
-    ) -> bool {
+    ) -> f64 {
         let rect = &segment.rect;
-        let (mut open, mut hidden) = (0, 0);
+        let mut hidden = 0;
         for i in 0..PROBES {
             let along = (i as f64 + 0.5) / PROBES as f64;
             for out in [0.3, 0.7] {
@@ -252,11 +273,11 @@ impl BoxSide {
                 match frame.point_in_level(x as i32, y as i32) {
                     Some(at) if at.x < depth_m[0] => hidden += 1,
                     Some(at) if at.x < depth_m[1] && !on_support(&at) => hidden += 1,
-                    _ => open += 1,
+                    _ => (),
                 }
             }
         }
-        open > hidden
+        f64::from(hidden) / (2 * PROBES) as f64
     }
 }
 
@@ -265,6 +286,10 @@ fn side_px(over_px: f64, share: f64) -> f64 {
 }
 
 const PROBES: usize = 12;
+/// Beyond a side that is a silhouette no more than this share is hidden,
+const MAX_HIDDEN: f64 = 0.15;
+/// looked at as far out as this.
+const SILHOUETTE_SIGMAS: f64 = 4.0;
 /// What is no higher than this above the support plane is the support plane (m).
 const SUPPORT_MARGIN_M: f64 = 0.05;
 /// An outline may overshoot the object itself by this share of the box: corners are seldom filled.
@@ -292,8 +317,11 @@ const BOX_SIGMA_PX: f64 = 1.5;
 const BOX_SIGMA_SHARE: f64 = 0.015;
 /// What is missing is more than noise.
 const TELLING_SIGMAS: f64 = 2.0;
-/// The box tells how far the object reaches, but not whether all of that belongs to one face.
+/// The box tells how far the object reaches, but not whether all of that belongs to one face, where another one explains
+/// it as well.
 const AMBIGUITY: f64 = 0.5;
+/// Outlines fill their corners, objects do not: what one face explains alone is known to this share.
+const OUTLINE_SHARE: f64 = 0.15;
 const MIN_SIGMA_M: f64 = 0.015;
 /// No face is missed by more than this share of the object.
 const MAX_GROWTH: f64 = 1.0;

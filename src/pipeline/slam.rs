@@ -213,7 +213,12 @@ impl ObjectSlam {
             track: detection.track,
             outline: self.settings.perception.classes.prior(detection.label()).outline,
             rect: Some(detection.rect),
-            sides: observed_box(detection, camera, &moment.base_from_camera, &self.settings.slam),
+            sides: observed_box(
+                detection,
+                found.as_ref().ok(),
+                (camera, &moment.base_from_camera),
+                &self.settings.slam,
+            ),
             measured: found.as_ref().ok().map(|m| in_base(m, &moment.base_from_camera)),
         });
         let sighted = self.map.observe(&Sighting {
@@ -295,13 +300,16 @@ fn in_base(measurement: &EllipsoidMeasurement, base_from_camera: &Pose) -> Measu
     }
 }
 
-/// The sides of a box that lie inside the image, as directions.
+/// The sides of a box that say where the object ends, as directions: all inside the image, or of round objects those that
+/// are seen to be the silhouette.
 fn observed_box(
     detection: &Detection,
-    camera: &Camera,
-    base_from_camera: &Pose,
+    measured: Option<&EllipsoidMeasurement>,
+    (camera, base_from_camera): (&Camera, &Pose),
     settings: &SlamSettings,
 ) -> ObservedBox {
+    let round = measured.filter(|m| settings.silhouettes && m.outline.is_round());
+    let used = if settings.boxes { [true; 4] } else { round.map_or([false; 4], |m| m.silhouette) };
     let Rect { x_min, y_min, x_max, y_max } = detection.rect;
     let (u, v) = detection.rect.center();
     let ((fx, fy), border) = (camera.focal(), settings.box_border_px);
@@ -310,14 +318,14 @@ fn observed_box(
     let (sigma_x, sigma_y) =
         (sigma(detection.rect.width()) / fx, sigma(detection.rect.height()) / fy);
     let inside = |at: f64, end: f64| at > border && at < end - border;
-    let side = |is_inside: bool, at: f64, sigma: f64| is_inside.then_some(BoxSide { at, sigma });
+    let side = |is_used: bool, at: f64, sigma: f64| is_used.then_some(BoxSide { at, sigma });
     ObservedBox {
         base_from_camera: *base_from_camera,
         sides: [
-            side(inside(x_min, right), camera.ray(x_min, v).x, sigma_x),
-            side(inside(y_min, bottom), camera.ray(u, y_min).y, sigma_y),
-            side(inside(x_max, right), camera.ray(x_max, v).x, sigma_x),
-            side(inside(y_max, bottom), camera.ray(u, y_max).y, sigma_y),
+            side(used[0] && inside(x_min, right), camera.ray(x_min, v).x, sigma_x),
+            side(used[1] && inside(y_min, bottom), camera.ray(u, y_min).y, sigma_y),
+            side(used[2] && inside(x_max, right), camera.ray(x_max, v).x, sigma_x),
+            side(used[3] && inside(y_max, bottom), camera.ray(u, y_max).y, sigma_y),
         ],
     }
 }

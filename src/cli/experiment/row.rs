@@ -110,6 +110,7 @@ pub(super) fn row(key: &str) -> Result<&'static Row, String> {
 fn by_the_paper(settings: &mut Settings) {
     settings.perception.fit = FitModel::Quadric;
     settings.slam.boxes = true;
+    settings.slam.silhouettes = false;
     settings.slam.support = true;
     settings.slam.box_outline = BoxOutline::Ellipsoid;
     settings.slam.box_sigma_px = 1.0;

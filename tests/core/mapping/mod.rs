@@ -1,6 +1,7 @@
 //! The object map, fed with hand-made measurements.
 
 mod association;
+mod coverage;
 mod drift;
 mod fusion;
 mod life;

@@ -1,0 +1,62 @@
+//! Factors of an object besides its measurements by direction.
+
+use crate::{
+    geometry::Pose,
+    graph::{
+        BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Factor, FactorId, Graph,
+        PoseId, SupportContact,
+    },
+};
+
+/// A factor that is not counted by its direction.
+#[derive(Clone, Debug)]
+pub(super) struct Tie {
+    factor: TieFactor,
+    pub(super) in_graph: FactorId,
+    /// The keyframe's, if it is tied to one.
+    pub(super) pose: Option<PoseId>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum TieFactor {
+    Box(BoxObservation),
+    Support(SupportContact),
+    /// With the paper's weights.
+    Measured(Box<EllipsoidObservation>),
+    /// What an earlier run knew.
+    Prior(EllipsoidPrior),
+}
+
+impl Tie {
+    pub(super) fn new(graph: &mut Graph, factor: TieFactor, pose: Option<PoseId>) -> Self {
+        let in_graph = match &factor {
+            TieFactor::Box(factor) => graph.add_factor(factor.clone()),
+            TieFactor::Support(factor) => graph.add_factor(factor.clone()),
+            TieFactor::Measured(factor) => graph.add_factor(factor.as_ref().clone()),
+            TieFactor::Prior(factor) => graph.add_factor(factor.clone()),
+        };
+        Self { factor, in_graph, pose }
+    }
+
+    /// The same for another object.
+    pub(super) fn of(self, graph: &mut Graph, variable: EllipsoidId) -> Self {
+        graph.remove_factor(self.in_graph);
+        let factor = match self.factor {
+            TieFactor::Box(factor) => TieFactor::Box(factor.of(variable)),
+            TieFactor::Support(factor) => TieFactor::Support(factor.of(variable)),
+            TieFactor::Measured(factor) => TieFactor::Measured(Box::new(factor.of(variable))),
+            TieFactor::Prior(factor) => TieFactor::Prior(factor.of(variable)),
+        };
+        Self::new(graph, factor, self.pose)
+    }
+
+    /// The map has moved, and the factor in the graph with it.
+    pub(super) fn move_map(&mut self, new_from_old: &Pose) {
+        match &mut self.factor {
+            TieFactor::Box(factor) => factor.move_map(new_from_old),
+            TieFactor::Support(factor) => factor.move_map(new_from_old),
+            TieFactor::Measured(factor) => factor.move_map(new_from_old),
+            TieFactor::Prior(factor) => factor.move_map(new_from_old),
+        }
+    }
+}
