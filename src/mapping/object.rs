@@ -111,7 +111,7 @@ impl MapObject {
         let variable = graph.add_ellipsoid(saved.ellipsoid);
         let prior = EllipsoidPrior::new(variable, saved.ellipsoid, noise);
         let prior = prior.with_kernel(settings.robust_kernel());
-        let prior = Tie::new(graph, TieFactor::Prior(prior), None);
+        let prior = Tie::new(graph, TieFactor::Prior(Box::new(prior)), None);
         let votes = f64::from(saved.observations);
         let height = saved.support_height_m;
         Ok(Self {

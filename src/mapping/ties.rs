@@ -24,7 +24,7 @@ pub(super) enum TieFactor {
     /// With the paper's weights.
     Measured(Box<EllipsoidObservation>),
     /// What an earlier run knew.
-    Prior(EllipsoidPrior),
+    Prior(Box<EllipsoidPrior>),
 }
 
 impl Tie {
@@ -33,7 +33,7 @@ impl Tie {
             TieFactor::Box(factor) => graph.add_factor(factor.clone()),
             TieFactor::Support(factor) => graph.add_factor(factor.clone()),
             TieFactor::Measured(factor) => graph.add_factor(factor.as_ref().clone()),
-            TieFactor::Prior(factor) => graph.add_factor(factor.clone()),
+            TieFactor::Prior(factor) => graph.add_factor(factor.as_ref().clone()),
         };
         Self { factor, in_graph, pose }
     }
@@ -45,7 +45,7 @@ impl Tie {
             TieFactor::Box(factor) => TieFactor::Box(factor.of(variable)),
             TieFactor::Support(factor) => TieFactor::Support(factor.of(variable)),
             TieFactor::Measured(factor) => TieFactor::Measured(Box::new(factor.of(variable))),
-            TieFactor::Prior(factor) => TieFactor::Prior(factor.of(variable)),
+            TieFactor::Prior(factor) => TieFactor::Prior(Box::new(factor.of(variable))),
         };
         Self::new(graph, factor, self.pose)
     }
