@@ -129,6 +129,19 @@ fn what_was_carried_away_is_gone_within_five_looks() {
 }
 
 #[test]
+fn what_was_carried_away_behind_something_is_gone_only_once_one_sees_it() {
+    let mut room = Room::new(LifeSettings::default());
+    room.with_cabinet();
+    let person = (Rect::new(20.0, 0.0, 140.0, 119.0).unwrap(), 1.0);
+    for _ in 0..20 {
+        assert_eq!(room.look(&[], &[person]), []);
+    }
+    assert_eq!(room.map.confirmed().count(), 1);
+    let changes: Vec<_> = (0..5).flat_map(|_| room.look(&[], &[])).collect();
+    assert_eq!(changes, [ObjectChange::Removed(ObjectId(1))]);
+}
+
+#[test]
 fn an_image_without_depth_says_nothing() {
     let mut room = Room::new(LifeSettings::default());
     room.with_cabinet();
