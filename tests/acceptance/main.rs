@@ -1,6 +1,6 @@
 //! What the program promises on real recordings, which `ELLIPSOID_SLAM_DATA` names.
 //!
-//! `ELLIPSOID_SLAM_DATA=DIR cargo test --release --features real-data --test acceptance`
+//! `ELLIPSOID_SLAM_DATA=DIR cargo test --test acceptance`
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use ellipsoid_slam::{
