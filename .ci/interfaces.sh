@@ -19,11 +19,9 @@ fi
 wheels=/opt/python/cp311-cp311
 headers=$("$python/bin/python" -c 'import sysconfig; print(sysconfig.get_paths()["include"])')
 numpy=$("$python/bin/python" -c 'import numpy; print(numpy.get_include())')
-if [ ! -e "$wheels" ]; then
-  mkdir -p "$wheels/include" "$wheels/lib/python3.11/site-packages/numpy/_core"
-  ln -s "$headers" "$wheels/include/python3.11"
-  ln -s "$numpy" "$wheels/lib/python3.11/site-packages/numpy/_core/include"
-fi
+mkdir -p "$wheels/include" "$wheels/lib/python3.11/site-packages/numpy/_core"
+ln -sfn "$headers" "$wheels/include/python3.11"
+ln -sfn "$numpy" "$wheels/lib/python3.11/site-packages/numpy/_core/include"
 
 # CMake exports no include folder that is inside of the source: the environment is.
 rm -rf "$work/source" "$work/build"
