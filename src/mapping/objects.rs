@@ -135,7 +135,8 @@ impl ObjectMap {
             self.chain.thin(&mut self.graph, waiting)?
         };
         let mut loose: Vec<PoseId> = self.chain.last().into_iter().collect();
-        let place = self.chain.keyframe(&mut self.graph, at, covariance, &self.slam)?;
+        let hints = (step.as_ref(), &self.slam);
+        let place = self.chain.keyframe(&mut self.graph, at, covariance, hints)?;
         let map_from_base = place.map_from_base(&self.graph);
         let associated = self.associated(sighting, step, (place.keyframe.pose, &map_from_base));
         let mut found = Vec::with_capacity(observations.len());

@@ -80,22 +80,23 @@ pub(super) struct Chain {
 }
 
 impl Chain {
-    /// The keyframe for a pose of odometry: the last one as long as the robot stands still, a new one otherwise.
+    /// The keyframe for a pose of odometry: the last one as long as the robot stands still, a new one otherwise. `step`
+    /// is what [`Chain::step`] says of that pose.
     pub(super) fn keyframe(
         &mut self,
         graph: &mut Graph,
         (stamp, odom_from_base): (Stamp, &Pose),
         covariance: Option<&[f64; 36]>,
-        settings: &SlamSettings,
+        (step, settings): (Option<&Step>, &SlamSettings),
     ) -> Result<Place, NoiseError> {
-        let last =
-            self.keyframes.last().map(|last| (last, last.odom_from_base.inv_mul(odom_from_base)));
+        let last = self.keyframes.last().zip(step);
         if let Some((last, step)) = last {
-            let still = step.translation.vector.norm() < settings.min_translation_m
-                && step.rotation.angle() < settings.min_rotation_deg.to_radians();
+            let way = step.pose_from_base;
+            let still = way.translation.vector.norm() < settings.min_translation_m
+                && way.rotation.angle() < settings.min_rotation_deg.to_radians();
             if still {
                 let keyframe = KeyframeId { pose: last.pose, number: last.number };
-                return Ok(Place { keyframe, keyframe_from_base: step });
+                return Ok(Place { keyframe, keyframe_from_base: way });
             }
         }
         let pose = graph.add_pose(self.map_from_odom(graph) * odom_from_base);
@@ -110,10 +111,7 @@ impl Chain {
                 None
             }
             Some((last, step)) => {
-                let from = (&last.odom_from_base, last.covariance.as_deref());
-                let (noise, _) =
-                    step_covariance(from, (odom_from_base, covariance), &settings.motion);
-                let leg = Leg { from_from_to: step, covariance: noise };
+                let leg = Leg { from_from_to: step.pose_from_base, covariance: step.covariance };
                 tie(graph, (last.pose, pose), &leg)?;
                 Some(leg)
             }
