@@ -2,16 +2,15 @@
 //!
 //! They may promise too little: floors and the robust kernel are there for errors that are not white.
 
-use super::{independent, observation};
-use crate::geometry::upright_pose;
+use super::{given_identities, independent, normal, observation, ring_of_cabinets, round_the_ring};
 use ellipsoid_slam::{
     eval::{EstimatedObject, GroundTruth, TrueObject, evaluate_identified},
     geometry::{Ellipsoid, Pose, local, retract},
-    mapping::{Association, MappingSettings, ObjectMap, Observation, Sighting, SlamSettings},
+    mapping::{ObjectMap, Observation, Sighting, SlamSettings},
     time::Stamp,
 };
 use nalgebra::{Matrix3, SVector, Vector3, Vector6};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 
@@ -31,24 +30,9 @@ struct Held {
 /// Once and a half round some cabinets, so that those at the start are seen again.
 fn drive(seed: u64) -> Held {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let cabinets: Vec<Ellipsoid> = (0..6)
-        .map(|i| {
-            let angle = f64::from(i) * 1.05;
-            let place = Vector3::new(1.5 * angle.cos(), 1.5 * angle.sin(), 0.4);
-            Ellipsoid::new(upright_pose(0.5 * f64::from(i), place), Vector3::new(0.4, 0.25, 0.4))
-        })
-        .collect();
-    let given = MappingSettings {
-        association: Association::Given,
-        min_observations: 1,
-        ..MappingSettings::default()
-    };
-    let mut map = ObjectMap::new(given, SlamSettings::default());
-    let at = |step: usize| {
-        let angle = step as f64 * 0.08;
-        let place = Vector3::new(3.5 * angle.cos(), 3.5 * angle.sin(), 0.0);
-        upright_pose(angle + std::f64::consts::PI, place)
-    };
+    let cabinets = ring_of_cabinets();
+    let mut map = ObjectMap::new(given_identities(), SlamSettings::default());
+    let at = round_the_ring;
     let (mut odom, mut claimed) = (at(0), Matrix3::zeros());
     // What views of an object from one direction have in common.
     let mut common: BTreeMap<(usize, i64), SVector<f64, 9>> = BTreeMap::new();
@@ -93,10 +77,6 @@ fn error(rng: &mut ChaCha8Rng) -> SVector<f64, 9> {
     let sizes = [SIZE / 0.4, SIZE / 0.25, SIZE / 0.4];
     let sigmas = [0.001, 0.001, HEADING, CENTER, CENTER, CENTER, sizes[0], sizes[1], sizes[2]];
     SVector::from_fn(|i, _| sigmas[i] * normal(rng))
-}
-
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
 }
 
 /// Covariance of `(x, y, yaw)` in odom's axes after a step.

@@ -1,13 +1,12 @@
 //! A robot whose odometry drifts drives round some cabinets, without images: what the graph makes of it.
 
-use super::{independent, observation};
-use crate::geometry::upright_pose;
+use super::{given_identities, independent, normal, observation, ring_of_cabinets, round_the_ring};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Pose, retract},
-    mapping::{Association, MappingSettings, ObjectMap, Observation, Sighting, SlamSettings},
+    mapping::{ObjectMap, Observation, Sighting, SlamSettings},
     time::Stamp,
 };
-use nalgebra::{Point3, SVector, Vector3, Vector6};
+use nalgebra::{Point3, SVector, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -28,26 +27,9 @@ fn drive(seed: u64, wrong: f64, slam: SlamSettings) -> Drive {
 /// Round and round, looking to the middle; of the boxes this share is given the identity of another cabinet.
 fn long_drive(seed: u64, wrong: f64, slam: SlamSettings, count: usize) -> Drive {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let cabinets: Vec<Ellipsoid> = (0..6)
-        .map(|i| {
-            let angle = f64::from(i) * 1.05;
-            let place = Vector3::new(1.5 * angle.cos(), 1.5 * angle.sin(), 0.4);
-            Ellipsoid::new(upright_pose(0.5 * f64::from(i), place), Vector3::new(0.4, 0.25, 0.4))
-        })
-        .collect();
-    let given = MappingSettings {
-        association: Association::Given,
-        min_observations: 1,
-        ..MappingSettings::default()
-    };
-    let mut map = ObjectMap::new(given, slam);
-    let at = |step: usize| {
-        let angle = step as f64 * 0.08;
-        upright_pose(
-            angle + std::f64::consts::PI,
-            Vector3::new(3.5 * angle.cos(), 3.5 * angle.sin(), 0.0),
-        )
-    };
+    let cabinets = ring_of_cabinets();
+    let mut map = ObjectMap::new(given_identities(), slam);
+    let at = round_the_ring;
     let (mut odom, mut steps, mut live) = (at(0), Vec::new(), Vec::new());
     for step in 0..count {
         let truth = at(step);
@@ -86,10 +68,6 @@ fn long_drive(seed: u64, wrong: f64, slam: SlamSettings, count: usize) -> Drive 
     }
     map.finish();
     Drive { map, steps, live, cabinets }
-}
-
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
 }
 
 impl Drive {

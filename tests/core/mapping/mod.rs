@@ -10,15 +10,18 @@ mod merging;
 mod queries;
 mod relocalisation;
 
+use crate::geometry::upright_pose;
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Outline, Pose},
     mapping::{
-        KernelShape, MapObject, MappingSettings, Measured, ObjectId, ObjectMap, Observation,
-        ObservedBox, Sighting, SlamSettings,
+        Association, KernelShape, MapObject, MappingSettings, Measured, ObjectId, ObjectMap,
+        Observation, ObservedBox, Sighting, SlamSettings,
     },
     time::Stamp,
 };
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, Vector3};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 pub(crate) type Covariance = SMatrix<f64, 9, 9>;
 
@@ -36,6 +39,37 @@ pub(crate) fn observation(
         sides: ObservedBox { base_from_camera: Pose::identity(), sides: [None; 4] },
         measured: Some(Measured { ellipsoid, covariance, probability: 0.7, support: None }),
     }
+}
+
+/// Six cabinets in a ring.
+pub(crate) fn ring_of_cabinets() -> Vec<Ellipsoid> {
+    let cabinet = |i: u32| {
+        let angle = f64::from(i) * 1.05;
+        let place = Vector3::new(1.5 * angle.cos(), 1.5 * angle.sin(), 0.4);
+        Ellipsoid::new(upright_pose(0.5 * f64::from(i), place), Vector3::new(0.4, 0.25, 0.4))
+    };
+    (0..6).map(cabinet).collect()
+}
+
+/// The pose of a robot that drives round such a ring and looks to its middle, 79 steps a round.
+pub(crate) fn round_the_ring(step: usize) -> Pose {
+    let angle = step as f64 * 0.08;
+    let place = Vector3::new(3.5 * angle.cos(), 3.5 * angle.sin(), 0.0);
+    upright_pose(angle + std::f64::consts::PI, place)
+}
+
+/// It is known which object each observation is of, and one is enough.
+pub(crate) fn given_identities() -> MappingSettings {
+    MappingSettings {
+        association: Association::Given,
+        min_observations: 1,
+        ..MappingSettings::default()
+    }
+}
+
+/// Nearly normal, with a standard deviation of 1.
+pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
 }
 
 /// Standard deviations of heading [rad], centre [m] and semi-axes [m], without correlations.

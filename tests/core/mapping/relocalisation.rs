@@ -1,5 +1,6 @@
 //! Where am I, from objects alone: random homes, and maps that are made to deceive.
 
+use super::normal;
 use crate::geometry::upright_pose;
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Pose, yaw_of},
@@ -106,10 +107,6 @@ fn seen_in(things: &[Thing], count: usize, rng: &mut ChaCha8Rng) -> (Vec<Landmar
         landmark.ellipsoid = landmark.ellipsoid.transformed(&seen_from_map);
     }
     (seen, seen_from_map.inverse())
-}
-
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
 }
 
 #[expect(clippy::result_large_err, reason = "a reason is what is looked at")]
