@@ -1,5 +1,5 @@
 use super::{
-    Covariance, by_faces, independent, map_of, map_with, observation, only, slam_settings,
+    Covariance, by_faces, independent, map_from, map_of, map_with, observation, only, slam_settings,
 };
 use crate::geometry::{pose_distance, upright_pose};
 use ellipsoid_slam::{
@@ -182,7 +182,7 @@ proptest! {
         assert_covariance(&plain.covariance());
     }
 
-    /// The same room, mapped from another origin.
+    /// The same views, of a robot that calls its place by other coordinates.
     #[test]
     fn where_the_map_has_its_origin_does_not_matter(
         seed in any::<u64>(), yaw in -3.0..3.0, x in -5.0..5.0, y in -5.0..5.0,
@@ -191,11 +191,11 @@ proptest! {
         let truth = cabinet();
         let views: Vec<Ellipsoid> = (0..5).map(|_| noisy(&truth, &mut rng, 0.03)).collect();
         let motion = upright_pose(yaw, Vector3::new(x, y, 0.5));
-        let map = |motion: &Pose| {
-            map_of(views.iter().map(|e| {
+        let map = |odom_from_base: &Pose| {
+            map_from(odom_from_base, slam_settings(), views.iter().map(|e| {
                 let covariance = by_faces(e, 0.05, [0.01, 0.1, 0.05, 0.02, 0.01, 0.02]);
-                observation("cabinet", e.transformed(motion), covariance)
-            }).collect::<Vec<_>>())
+                observation("cabinet", *e, covariance)
+            }))
         };
         let (here, there) = (map(&Pose::identity()), map(&motion));
         let (here, there) = (only(&here), only(&there));

@@ -119,9 +119,18 @@ pub(crate) fn map_with(
     slam: SlamSettings,
     observations: impl IntoIterator<Item = Observation>,
 ) -> ObjectMap {
+    map_from(&Pose::identity(), slam, observations)
+}
+
+/// A map after these observations from one place, where odometry says that it is.
+pub(crate) fn map_from(
+    odom_from_base: &Pose,
+    slam: SlamSettings,
+    observations: impl IntoIterator<Item = Observation>,
+) -> ObjectMap {
     let mut map = ObjectMap::new(MappingSettings::default(), slam);
     for (second, observation) in observations.into_iter().enumerate() {
-        observe(&mut map, second as f64, vec![observation]);
+        observe_from(odom_from_base, &mut map, second as f64, vec![observation]);
     }
     map.finish();
     map
@@ -133,9 +142,18 @@ pub(crate) fn observe(
     second: f64,
     observations: Vec<Observation>,
 ) -> Vec<Option<ObjectId>> {
+    observe_from(&Pose::identity(), map, second, observations)
+}
+
+fn observe_from(
+    odom_from_base: &Pose,
+    map: &mut ObjectMap,
+    second: f64,
+    observations: Vec<Observation>,
+) -> Vec<Option<ObjectId>> {
     let sighted = map.observe(&Sighting {
         stamp: Stamp::from_secs(second),
-        odom_from_base: Pose::identity(),
+        odom_from_base: *odom_from_base,
         odometry_covariance: None,
         observations,
         view: None,
