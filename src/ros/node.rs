@@ -164,6 +164,7 @@ impl Start<'_> {
         color: ColorImages,
     ) -> Result<Vec<Listening>, NodeError> {
         let mut subscriptions = Subscriptions {
+            context: self.context,
             node: &mut self.node,
             arguments: self.arguments,
             inbox,
