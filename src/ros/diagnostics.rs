@@ -3,11 +3,11 @@
 use super::{
     discovery,
     inbox::{Inbox, Overflow},
-    outputs::send,
     problems::{Problem, Problems},
     same_name::SameName,
     status::{Shared, Status, now},
     subscriptions::Listening,
+    topic::send,
 };
 use crate::msg::{
     convert::header,

@@ -26,10 +26,11 @@ mod same_name;
 mod services;
 mod status;
 mod subscriptions;
+mod topic;
 mod worker;
 
 pub use names::NameError;
-pub use node::{NodeError, run_node};
+pub use node::{NodeError, NotCreated, run_node};
 pub use participant::{DdsDomain, DomainError};
 pub use player::{PlayError, Player};
 pub use worker::{LoadMap, MapFiles, SaveMap};

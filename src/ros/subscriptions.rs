@@ -3,10 +3,10 @@
 use super::{
     color::{ColorImages, ColorMessage},
     inbox::Inbox,
-    names::{parsed, type_name},
     node::NodeError,
     qos,
     status::Shared,
+    topic::Ends,
 };
 use crate::{
     config::{DepthTransport, DetectionsType, NodeSettings, Qos, RgbTransport, RosArguments},
@@ -23,11 +23,7 @@ use crate::{
     pipeline::{CameraRole, Input},
     time::Stamp,
 };
-use ros2_client::{
-    Context, MessageTypeName, Node, QosProfile, ReadError, Subscription,
-    dds::rustdds::{QosPolicies, QosPolicyBuilder, Topic, TopicKind, policy},
-    qos::History,
-};
+use ros2_client::{QosProfile, ReadError, Subscription};
 use std::{cell::Cell, rc::Rc, sync::Arc};
 use tokio::task::LocalSet;
 
@@ -48,8 +44,7 @@ pub(super) struct Listening {
 
 /// Everything that a subscription needs.
 pub(super) struct Subscriptions<'a> {
-    pub(super) context: &'a Context,
-    pub(super) node: &'a mut Node,
+    pub(super) ends: Ends<'a>,
     pub(super) arguments: &'a RosArguments,
     pub(super) inbox: &'a Arc<Inbox>,
     pub(super) status: &'a Shared,
@@ -205,10 +200,7 @@ impl Subscriptions<'_> {
         qos: QosProfile,
         convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Heard, ConvertError> + 'static,
     ) -> Result<(), NodeError> {
-        let failed = |e| NodeError::create(topic, e);
-        let dds = bounded_topic(self.context, topic, type_name(M::TYPE), &qos)?;
-        let subscription: Subscription<M> =
-            self.node.create_subscription(&dds, Some(qos.clone())).map_err(failed)?;
+        let subscription = self.ends.subscription(topic, qos.clone())?;
         self.listening.push(Listening {
             role: role.role,
             topic: topic.to_owned(),
@@ -221,37 +213,6 @@ impl Subscriptions<'_> {
         self.tasks.spawn_local(passing.on(subscription, convert));
         Ok(())
     }
-}
-
-/// A topic of which no more messages are kept than its history says: otherwise RustDDS keeps 64 of each, which are
-/// 40 MB of depth images.
-fn bounded_topic(
-    context: &Context,
-    name: &str,
-    type_name: MessageTypeName,
-    qos: &QosProfile,
-) -> Result<Topic, NodeError> {
-    // For the error: DDS takes names that ROS 2 does not.
-    parsed(name)?;
-    let most = match qos.history {
-        History::KeepLast { depth } => i32::try_from(depth).unwrap_or(i32::MAX),
-        History::KeepAll => i32::MAX,
-    };
-    let limits = policy::ResourceLimits {
-        max_samples: most,
-        max_instances: 1,
-        max_samples_per_instance: most,
-    };
-    let limits = QosPolicyBuilder::new().resource_limits(limits).build();
-    context
-        .domain_participant()
-        .create_topic(
-            format!("rt{name}"),
-            type_name.dds_msg_type(),
-            &QosPolicies::from(qos).modify_by(&limits),
-            TopicKind::NoKey,
-        )
-        .map_err(|e| NodeError::Create { what: name.to_owned(), problem: e.to_string() })
 }
 
 /// `(width, height)` of the colour images, once a calibration said so.
