@@ -12,6 +12,7 @@ use super::{
     participant::{DdsDomain, DomainError},
     problems::Problems,
     qos,
+    rosout::LogLines,
     same_name::SameName,
     services::serve_map,
     status::Shared,
@@ -68,7 +69,7 @@ impl NotCreated {
     }
 }
 
-/// Runs the node until SIGINT or SIGTERM.
+/// Runs the node until SIGINT or SIGTERM. It publishes the log's `lines` on `/rosout`.
 ///
 /// # Errors
 /// When it cannot start, or its worker ends.
@@ -77,6 +78,7 @@ pub fn run_node(
     arguments: &RosArguments,
     parameters: Parameters,
     files: MapFiles,
+    lines: LogLines,
 ) -> Result<(), NodeError> {
     let runtime = runtime::Builder::new_current_thread().enable_all().build()?;
     let context = domain.join()?;
@@ -86,12 +88,13 @@ pub fn run_node(
     let node = context
         .new_node(
             node_name(arguments.namespace(), arguments.node())?,
-            NodeOptions::new().start_parameter_services(false),
+            NodeOptions::new().start_parameter_services(false).enable_rosout(false),
         )
         .map_err(|e| NotCreated::new(&name, e))?;
     let tasks = LocalSet::new();
     let mut start = Start { context: &context, node, arguments, tasks: &tasks };
     let running = start.everything(parameters, files)?;
+    start.log(lines)?;
     tracing::info!("{name} runs in domain {}", domain.id);
     let outcome = runtime.block_on(tasks.run_until(running.until_stopped()));
     drop(runtime);
@@ -180,6 +183,12 @@ impl Start<'_> {
             subscriptions.color(own, color)?;
         }
         Ok(subscriptions.listening)
+    }
+
+    fn log(&mut self, lines: LogLines) -> Result<(), NodeError> {
+        let logger = self.arguments.logger();
+        self.tasks.spawn_local(lines.publish(self.ends(), logger)?);
+        Ok(())
     }
 
     fn diagnostics(
