@@ -110,7 +110,7 @@ impl Outputs {
         slam: &ObjectSlam,
         stamp: Stamp,
     ) -> QueryObjectsResponse {
-        query_objects(request, slam.objects(), self.publication.view(), (stamp, &self.map_frame))
+        query_objects(request, slam.map(), self.publication.view(), (stamp, &self.map_frame))
     }
 
     fn draw(&mut self, keyframe: &Keyframe, slam: &ObjectSlam) {
