@@ -6,7 +6,7 @@
 use anyhow::{Context as _, Result, ensure};
 use ellipsoid_slam::{
     io::{BagReader, RawMessage},
-    msg::{Message, visualization_msgs::MarkerArray},
+    msg::{Message, cdr, vision_msgs::Detection2DArray, visualization_msgs::MarkerArray},
     ros::{DdsDomain, Player},
     time::Stamp,
 };
@@ -20,7 +20,11 @@ use std::{
     env, fs,
     path::Path,
     process::{Child, Command},
-    sync::mpsc,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+        mpsc,
+    },
     thread,
     time::{Duration, Instant},
 };
@@ -34,6 +38,7 @@ const BOXES_LATE_FRAMES: usize = 2;
 const MOST_BOXES: usize = 5;
 const DOMAIN: u16 = 98;
 const DEPTH: &str = "/camera/aligned_depth_to_color/image_raw";
+const DETECTIONS: &str = "/detections";
 
 fn main() -> Result<()> {
     let seconds = argument("--seconds")?.unwrap_or(60.0);
@@ -42,7 +47,9 @@ fn main() -> Result<()> {
     simulate(&bag)?;
     let frames = Frames::read(&bag)?;
     let (told, received) = mpsc::channel();
-    let listener = thread::spawn(move || listen(&told));
+    let stop = Arc::new(AtomicBool::new(false));
+    let stopped = Arc::clone(&stop);
+    let listener = thread::spawn(move || listen(&told, &stopped));
     let mut node = Node::start()?;
     let topics = frames.topics.iter().map(|(topic, kind)| (topic.as_str(), kind.as_str()));
     let player = Player::new(DdsDomain { id: DOMAIN, local_only: true }, topics, false)?;
@@ -53,7 +60,7 @@ fn main() -> Result<()> {
     drop(player);
     let markers: BTreeMap<Stamp, Instant> = received.try_iter().collect();
     report(&load, &markers);
-    drop(received);
+    stop.store(true, Ordering::Relaxed);
     listener.join().map_err(|_| anyhow::anyhow!("the listener panicked"))?
 }
 
@@ -89,7 +96,12 @@ impl Frames {
         let topics = bag.topics().iter().filter(|topic| used(&topic.name));
         let topics = topics.map(|topic| (topic.name.clone(), topic.type_name.clone())).collect();
         let (mut fixed, mut by_stamp) = (Vec::new(), BTreeMap::<Stamp, Vec<RawMessage>>::new());
-        for message in bag.messages().filter(|message| used(&message.topic)) {
+        for mut message in bag.messages().filter(|message| used(&message.topic)) {
+            if &*message.topic == DETECTIONS {
+                let mut boxes: Detection2DArray = cdr::decode(&message.data)?;
+                boxes.detections.truncate(MOST_BOXES);
+                message.data = cdr::encode(&boxes)?;
+            }
             if &*message.topic == "/tf_static" {
                 fixed.push(message);
             } else {
@@ -145,14 +157,14 @@ fn publish(frames: &Frames, player: &Player, seconds: f64, node: &Node) -> Resul
         let due = Duration::from_secs_f64(i as f64 / RATE_HZ);
         thread::sleep(due.saturating_sub(started.elapsed()));
         let stamp = |i: usize| Stamp::from_secs(1000.0).shifted(i as f64 / RATE_HZ);
-        for message in frames.shown(i).iter().filter(|m| &*m.topic != "/detections") {
+        for message in frames.shown(i).iter().filter(|m| &*m.topic != DETECTIONS) {
             player.publish(&message.topic, &stamped(message, stamp(i)))?;
         }
         load.images += 1;
         let Some(seen) = i.checked_sub(BOXES_LATE_FRAMES).filter(|i| i % BOXES_EVERY == 0) else {
             continue;
         };
-        for message in frames.shown(seen).iter().filter(|m| &*m.topic == "/detections") {
+        for message in frames.shown(seen).iter().filter(|m| &*m.topic == DETECTIONS) {
             load.boxes.insert(stamp(seen), now());
             player.publish(&message.topic, &stamped(message, stamp(seen)))?;
         }
@@ -205,8 +217,8 @@ impl Drop for Node {
     }
 }
 
-/// Tells the stamp of each array of markers and when it came, until nobody wants to know.
-fn listen(told: &mpsc::Sender<(Stamp, Instant)>) -> Result<()> {
+/// Tells the stamp of each array of markers and when it came, until it is stopped.
+fn listen(told: &mpsc::Sender<(Stamp, Instant)>, stop: &AtomicBool) -> Result<()> {
     let participant = DomainParticipantBuilder::new(DOMAIN)
         .with_only_networks([std::net::Ipv4Addr::LOCALHOST])
         .build()
@@ -221,15 +233,14 @@ fn listen(told: &mpsc::Sender<(Stamp, Instant)>) -> Result<()> {
     ensure!(MarkerArray::TYPE.ends_with(kind.type_name()));
     let topic = node.create_topic(&Name::new("/ellipsoid_slam", "markers")?, kind, &qos)?;
     let markers: Subscription<MarkerArray> = node.create_subscription(&topic, Some(qos))?;
-    loop {
+    while !stop.load(Ordering::Relaxed) {
         while let Some((array, _)) = markers.take()? {
             let Some(first) = array.markers.first() else { continue };
-            if told.send((first.header.stamp.into(), now())).is_err() {
-                return Ok(());
-            }
+            told.send((first.header.stamp.into(), now()))?;
         }
         thread::sleep(Duration::from_micros(500));
     }
+    Ok(())
 }
 
 fn report(load: &Load, markers: &BTreeMap<Stamp, Instant>) {

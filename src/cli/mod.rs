@@ -26,9 +26,13 @@ mod simulate;
 mod simulate_settings;
 mod timing;
 
+#[cfg(feature = "ros")]
+use crate::ros::log_lines;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use tracing_subscriber::{Layer, filter::Targets, layer::SubscriberExt, util::SubscriberInitExt};
+use tracing_subscriber::{
+    Layer, Registry, filter::Targets, layer::SubscriberExt, util::SubscriberInitExt,
+};
 
 /// Object-level SLAM for indoor robots: from RGB-D frames and 2D boxes to a map of ellipsoids.
 #[derive(Debug, Parser)]
@@ -85,15 +89,18 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 
 type Outcome = Result<(), Failure>;
 
-/// Our own words from `level` on. DDS calls things errors that heal themselves: its words are for `-vv` only.
-fn log_to_stderr(level: tracing::Level) {
+/// Our own words from `level` on, to standard error and to whoever wants them `also`. DDS calls things errors that heal themselves: its words are for `-vv` only.
+fn log(level: tracing::Level, also: Option<impl Layer<Registry> + Send + Sync>) {
     let own = Targets::new().with_target(env!("CARGO_PKG_NAME"), level);
     let filter = match level {
-        tracing::Level::DEBUG | tracing::Level::TRACE => own.with_default(tracing::Level::INFO),
-        _ => own,
+        tracing::Level::DEBUG | tracing::Level::TRACE => {
+            own.clone().with_default(tracing::Level::INFO)
+        }
+        _ => own.clone(),
     };
+    let also = also.map(|also| also.with_filter(own));
     let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(filter);
-    tracing_subscriber::registry().with(lines).init();
+    tracing_subscriber::registry().with(also).with(lines).init();
 }
 
 /// Runs the program: 0 when done, 1 when the work failed, 2 for wrong usage.
@@ -104,11 +111,16 @@ pub fn run() -> ExitCode {
         1 => tracing::Level::INFO,
         _ => tracing::Level::DEBUG,
     };
-    log_to_stderr(level);
+    #[cfg(feature = "ros")]
+    let (layer, lines) = log_lines();
+    #[cfg(feature = "ros")]
+    log(level, matches!(cli.command, Command::Node(_)).then_some(layer));
+    #[cfg(not(feature = "ros"))]
+    log(level, None::<tracing_subscriber::layer::Identity>);
     let outcome = match &cli.command {
         Command::Replay(args) => replay::run(args),
         #[cfg(feature = "ros")]
-        Command::Node(args) => node::run(args),
+        Command::Node(args) => node::run(args, lines),
         Command::Demo(args) => demo::run(args),
         #[cfg(feature = "ros")]
         Command::Play(args) => play::run(args),

@@ -5,7 +5,7 @@ use crate::{
     config::{LogLevel, MapFileSettings, Parameters, RosArguments},
     io::{load_saved_map, save_map},
     mapping::SavedMap,
-    ros::{DdsDomain, MapFiles, run_node},
+    ros::{DdsDomain, LogLines, MapFiles, run_node},
 };
 use anyhow::anyhow;
 use clap::Parser;
@@ -37,10 +37,7 @@ impl Args {
     pub(super) fn level(&self) -> Level {
         // Arguments that cannot be read are named by `run`.
         let arguments = self.parse_ros().ok();
-        let given = arguments.and_then(|arguments| {
-            let logger = arguments.full_name().trim_start_matches('/').replace('/', ".");
-            arguments.log_level(&logger)
-        });
+        let given = arguments.and_then(|arguments| arguments.log_level(&arguments.logger()));
         match given {
             Some(LogLevel::Debug) => Level::DEBUG,
             None | Some(LogLevel::Info) => Level::INFO,
@@ -50,7 +47,7 @@ impl Args {
     }
 }
 
-pub(super) fn run(args: &Args) -> Outcome {
+pub(super) fn run(args: &Args, lines: LogLines) -> Outcome {
     let arguments = args.parse_ros()?;
     let mut parameters = Parameters::default();
     let without = arguments
@@ -66,7 +63,7 @@ pub(super) fn run(args: &Args) -> Outcome {
             save_map(path, map).map_err(|e| format!("cannot write {}: {e}", path.display()))
         }),
     };
-    run_node(DdsDomain::from_environment()?, &arguments, parameters, files)?;
+    run_node(DdsDomain::from_environment()?, &arguments, parameters, files, lines)?;
     Ok(())
 }
 

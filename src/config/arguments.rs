@@ -208,6 +208,11 @@ impl RosArguments {
         format!("{}/{}", self.namespace.trim_end_matches('/'), self.node)
     }
 
+    /// The name of the node's logger: its full name with dots.
+    pub fn logger(&self) -> String {
+        self.full_name().trim_start_matches('/').replace('/', ".")
+    }
+
     /// The full name of a topic or service after remapping. A name is relative to the namespace, private after `~/`, or
     /// full after `/`. The first rule that fits counts, as in `rcl`.
     pub fn resolve(&self, name: &str) -> String {

@@ -87,10 +87,10 @@ pub enum DetectionsType {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Qos {
-    /// Best effort, the latest 5: matches any publisher.
+    /// Best effort: matches any publisher.
     #[default]
     SensorData,
-    /// Reliable, the latest 10: matches only reliable publishers.
+    /// Reliable: matches only reliable publishers.
     Reliable,
 }
 

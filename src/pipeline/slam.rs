@@ -138,6 +138,11 @@ impl ObjectSlam {
         self.map.confirmed()
     }
 
+    /// The map, for what else can be asked of it.
+    pub fn map(&self) -> &ObjectMap {
+        &self.map
+    }
+
     /// Where the base was at a pose of an earlier [`Update`], after all that is known now.
     pub fn map_from_base(&self, pose: &FramePose) -> Pose {
         self.map.map_from_odom_at(pose.stamp, pose.keyframes) * pose.odom_from_base

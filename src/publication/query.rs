@@ -1,8 +1,8 @@
 //! Which objects a client asks for.
 
 use crate::{
-    geometry::{Camera, Pose},
-    mapping::MapObject,
+    geometry::{Camera, OrientedBox, Pose},
+    mapping::{MapObject, ObjectId, ObjectMap, Region},
     msg::{
         convert::header,
         ellipsoid_slam::{QueryObjectsRequest, QueryObjectsResponse},
@@ -10,7 +10,8 @@ use crate::{
     },
     time::Stamp,
 };
-use nalgebra::{Point3, distance};
+use nalgebra::{Point3, Translation3, UnitQuaternion};
+use std::collections::BTreeSet;
 
 /// Ids in an answer, at most: `QueryObjects.srv` says so.
 const MOST_IDS: usize = 100;
@@ -25,38 +26,39 @@ pub struct View {
 }
 
 /// The objects for which everything holds that is asked for; `QueryObjects.srv` says what.
-pub fn query_objects<'a>(
+pub fn query_objects(
     request: &QueryObjectsRequest,
-    objects: impl IntoIterator<Item = &'a MapObject>,
+    map: &ObjectMap,
     view: Option<&View>,
     (stamp, frame_id): (Stamp, &str),
 ) -> QueryObjectsResponse {
-    if request.in_view && view.is_none() {
-        return QueryObjectsResponse {
-            message: "no image with boxes has been worked on yet: there is no view".into(),
-            ..QueryObjectsResponse::default()
-        };
-    }
-    let mut found: Vec<&MapObject> = objects
-        .into_iter()
-        .filter(|object| {
-            let center = object.ellipsoid().center();
-            let labels = &request.labels;
-            (labels.is_empty() || labels.iter().any(|label| label == object.label()))
-                && object.existence() >= request.min_existence
-                && (!request.in_region || is_in_region(&center, request))
-                && (!request.in_view
-                    || view.is_some_and(|view| view.sees(&center, request.max_range)))
-        })
-        .collect();
-    if request.by_distance {
-        let to = point(&request.nearest_to);
-        // Stable: objects equally far away stay in the order in which they were seen.
-        found.sort_by(|a, b| {
-            let away = |object: &MapObject| distance(&object.ellipsoid().center(), &to);
-            away(a).total_cmp(&away(b))
-        });
-    }
+    let in_view = match (request.in_view, view) {
+        (false, _) => None,
+        (true, Some(view)) => Some(seen(map, view, request.max_range)),
+        (true, None) => {
+            return QueryObjectsResponse {
+                message: "no image with boxes has been worked on yet: there is no view".into(),
+                ..QueryObjectsResponse::default()
+            };
+        }
+    };
+    let in_region = request.in_region.then(|| inside(map, request));
+    let is_in = |found: &Option<BTreeSet<ObjectId>>, object: &MapObject| {
+        found.as_ref().is_none_or(|ids| ids.contains(&object.id))
+    };
+    let mut found: Vec<&MapObject> = if request.by_distance {
+        let nearest = map.nearest(&point(&request.nearest_to), None, usize::MAX);
+        nearest.into_iter().map(|found| found.object).collect()
+    } else {
+        map.confirmed().collect()
+    };
+    found.retain(|object| {
+        let labels = &request.labels;
+        (labels.is_empty() || labels.iter().any(|label| label == object.label()))
+            && object.existence() >= request.min_existence
+            && is_in(&in_region, object)
+            && is_in(&in_view, object)
+    });
     if request.max_count > 0 {
         found.truncate(request.max_count as usize);
     }
@@ -70,20 +72,19 @@ pub fn query_objects<'a>(
     QueryObjectsResponse { success: true, message, header: header(stamp, frame_id), ids }
 }
 
-impl View {
-    fn sees(&self, center: &Point3<f64>, max_range: f64) -> bool {
-        let seen = self.map_from_camera.inverse_transform_point(center);
-        let near = max_range <= 0.0 || seen.coords.norm() <= max_range;
-        let inside = |at: f64, size: u32| at >= 0.0 && at < f64::from(size);
-        near && self.camera.project(&seen).is_some_and(|pixel| {
-            inside(pixel.x, self.camera.width()) && inside(pixel.y, self.camera.height())
-        })
-    }
+fn seen(map: &ObjectMap, view: &View, max_range_m: f64) -> BTreeSet<ObjectId> {
+    let max_range_m = if max_range_m > 0.0 { max_range_m } else { f64::INFINITY };
+    let seen = map.in_view(&view.camera, &view.map_from_camera, max_range_m);
+    seen.into_iter().map(|seen| seen.object.id).collect()
 }
 
-fn is_in_region(center: &Point3<f64>, request: &QueryObjectsRequest) -> bool {
+fn inside(map: &ObjectMap, request: &QueryObjectsRequest) -> BTreeSet<ObjectId> {
     let (low, high) = (point(&request.region_min), point(&request.region_max));
-    (0..3).all(|axis| center[axis] >= low[axis] && center[axis] <= high[axis])
+    let middle = Translation3::from((low.coords + high.coords) / 2.0);
+    let pose = Pose::from_parts(middle, UnitQuaternion::identity());
+    let region = Region::Box(OrientedBox { pose, half_extents: (high - low) / 2.0 });
+    // It is more probable than not that the centre is inside where its estimate is.
+    map.within(&region, 0.5).into_iter().map(|found| found.object.id).collect()
 }
 
 fn point(wire: &Point) -> Point3<f64> {

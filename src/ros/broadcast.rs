@@ -1,6 +1,6 @@
 //! `map → odom`, steadily.
 
-use super::{outputs::send, status::Shared};
+use super::{status::Shared, topic::send};
 use crate::{config::Parameters, msg::tf2_msgs::TFMessage};
 use ros2_client::Publisher;
 use std::time::Duration;

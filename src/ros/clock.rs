@@ -1,28 +1,16 @@
 //! What time it is for ROS: the system's, or `/clock` for a node with `use_sim_time`.
 
-use super::{
-    names::{parsed, type_name},
-    node::NodeError,
-    qos,
-    status::Shared,
-};
-use crate::{
-    config::Qos,
-    msg::{Message, rosgraph_msgs::Clock},
-    time::Stamp,
-};
-use ros2_client::{Node, Subscription};
+use super::{node::NodeError, qos, status::Shared, topic::Ends};
+use crate::{config::Qos, msg::rosgraph_msgs::Clock, time::Stamp};
+use ros2_client::Subscription;
 
 /// Follows `/clock`, until it is cancelled.
 pub(super) fn follow(
-    node: &mut Node,
+    mut ends: Ends<'_>,
     status: Shared,
 ) -> Result<impl Future<Output = ()> + 'static, NodeError> {
     const TOPIC: &str = "/clock";
-    let failed = |e| NodeError::create(TOPIC, e);
-    let qos = qos::input(Qos::SensorData, 1);
-    let topic = node.create_topic(&parsed(TOPIC)?, type_name(Clock::TYPE), &qos).map_err(failed)?;
-    let clock: Subscription<Clock> = node.create_subscription(&topic, Some(qos)).map_err(failed)?;
+    let clock: Subscription<Clock> = ends.subscription(TOPIC, qos::input(Qos::SensorData, 1))?;
     Ok(async move {
         status.lock().sim_time = Some(Stamp::default());
         loop {

@@ -3,11 +3,11 @@
 use super::{
     discovery,
     inbox::{Inbox, Overflow},
-    outputs::send,
     problems::{Problem, Problems},
     same_name::SameName,
     status::{Shared, Status, now},
     subscriptions::Listening,
+    topic::send,
 };
 use crate::msg::{
     convert::header,
@@ -38,6 +38,8 @@ pub(super) struct Diagnostics {
 #[derive(Debug, Default)]
 pub(super) struct Counts {
     at: Option<Instant>,
+    /// Since when each topic has had publishers.
+    published: BTreeMap<String, Instant>,
     received: BTreeMap<String, u64>,
     skipped: BTreeMap<(String, &'static str), u64>,
     dropped: BTreeMap<&'static str, u64>,
@@ -79,13 +81,16 @@ impl Diagnostics {
         let overflow = self.inbox.dropped();
         let status = self.status.lock();
         for input in self.listening.iter().filter(|input| input.needed) {
-            let unheard = found.iter().any(|problem| problem.what.contains(&input.topic));
-            let latest = status.inputs.get(&input.topic).and_then(|topic| topic.latest);
-            let silent = latest.is_none_or(|latest| now - latest > SILENT);
-            if silent && !unheard {
-                let what =
-                    format!("{} ({}) has a publisher, but nothing comes", input.topic, input.role);
-                found.push(Problem::new("silent", &input.topic, what));
+            let topic = &input.topic;
+            if found.iter().any(|problem| problem.what.contains(topic)) {
+                self.before.published.remove(topic);
+                continue;
+            }
+            let published = *self.before.published.entry(topic.clone()).or_insert(now);
+            let latest = status.inputs.get(topic).and_then(|known| known.latest);
+            if now - latest.map_or(published, |latest| latest.max(published)) > SILENT {
+                let what = format!("{topic} ({}) has a publisher, but nothing comes", input.role);
+                found.push(Problem::new("silent", topic, what));
             }
         }
         for (topic, reason, count, latest) in status.skipped.iter() {

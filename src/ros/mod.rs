@@ -22,14 +22,17 @@ mod player;
 mod problems;
 mod qos;
 mod raw;
+mod rosout;
 mod same_name;
 mod services;
 mod status;
 mod subscriptions;
+mod topic;
 mod worker;
 
 pub use names::NameError;
-pub use node::{NodeError, run_node};
+pub use node::{NodeError, NotCreated, run_node};
 pub use participant::{DdsDomain, DomainError};
 pub use player::{PlayError, Player};
+pub use rosout::{LogLayer, LogLines, log_lines};
 pub use worker::{LoadMap, MapFiles, SaveMap};

@@ -7,23 +7,25 @@ use super::{
     diagnostics::{Counts, Diagnostics},
     inbox::Inbox,
     names::{NameError, node_name},
-    outputs::{Outputs, publisher},
+    outputs::Outputs,
     parameters::Live,
     participant::{DdsDomain, DomainError},
     problems::Problems,
     qos,
+    rosout::LogLines,
     same_name::SameName,
     services::serve_map,
     status::Shared,
     subscriptions::{Listening, Subscriptions},
+    topic::Ends,
     worker::{MapFiles, Worker},
 };
 use crate::{
     config::{NodeSettings, Parameters, RosArguments},
     pipeline::ObjectSlam,
 };
-use ros2_client::{Context, CreateError, Node, NodeOptions};
-use std::{io, sync::Arc, thread};
+use ros2_client::{Context, Node, NodeOptions};
+use std::{fmt::Display, io, sync::Arc, thread};
 use thiserror::Error;
 use tokio::{
     runtime,
@@ -42,13 +44,8 @@ pub enum NodeError {
     #[error(transparent)]
     Name(#[from] NameError),
     /// The node itself, a publisher or a subscription.
-    #[error("{what} cannot be created: {problem}")]
-    Create {
-        /// A topic, or the node.
-        what: String,
-        /// What DDS said.
-        problem: String,
-    },
+    #[error(transparent)]
+    Create(#[from] NotCreated),
     /// The operating system.
     #[error("cannot start: {0}")]
     System(#[from] io::Error),
@@ -57,13 +54,22 @@ pub enum NodeError {
     WorkerEnded,
 }
 
-impl NodeError {
-    pub(super) fn create(what: &str, problem: CreateError) -> Self {
-        Self::Create { what: what.to_owned(), problem: problem.to_string() }
+/// A node, publisher, subscription or service that DDS does not make.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{what} cannot be created: {problem}")]
+pub struct NotCreated {
+    what: String,
+    problem: String,
+}
+
+impl NotCreated {
+    /// `what` is a topic, a service or a node; `problem` is what DDS said.
+    pub(super) fn new(what: &str, problem: impl Display) -> Self {
+        Self { what: what.to_owned(), problem: problem.to_string() }
     }
 }
 
-/// Runs the node until SIGINT or SIGTERM.
+/// Runs the node until SIGINT or SIGTERM. It publishes the log's `lines` on `/rosout`.
 ///
 /// # Errors
 /// When it cannot start, or its worker ends.
@@ -72,6 +78,7 @@ pub fn run_node(
     arguments: &RosArguments,
     parameters: Parameters,
     files: MapFiles,
+    lines: LogLines,
 ) -> Result<(), NodeError> {
     let runtime = runtime::Builder::new_current_thread().enable_all().build()?;
     let context = domain.join()?;
@@ -81,12 +88,13 @@ pub fn run_node(
     let node = context
         .new_node(
             node_name(arguments.namespace(), arguments.node())?,
-            NodeOptions::new().start_parameter_services(false),
+            NodeOptions::new().start_parameter_services(false).enable_rosout(false),
         )
-        .map_err(|e| NodeError::Create { what: name.clone(), problem: e.to_string() })?;
+        .map_err(|e| NotCreated::new(&name, e))?;
     let tasks = LocalSet::new();
     let mut start = Start { context: &context, node, arguments, tasks: &tasks };
     let running = start.everything(parameters, files)?;
+    start.log(lines)?;
     tracing::info!("{name} runs in domain {}", domain.id);
     let outcome = runtime.block_on(tasks.run_until(running.until_stopped()));
     drop(runtime);
@@ -117,6 +125,7 @@ impl Start<'_> {
         parameters: Parameters,
         files: MapFiles,
     ) -> Result<Running, NodeError> {
+        let arguments = self.arguments;
         let status = Shared::default();
         let inbox = Arc::new(Inbox::new(MOST_DEPTH));
         let live = Live::new(parameters.clone(), Arc::clone(&inbox));
@@ -126,24 +135,18 @@ impl Start<'_> {
         let worker = Worker {
             slam: ObjectSlam::new(parameters.slam.clone()),
             parameters,
-            outputs: Outputs::create(
-                &mut self.node,
-                self.arguments,
-                &own,
-                correction,
-                color.clone(),
-            )?,
+            outputs: Outputs::create(self.ends(), arguments, &own, correction, color.clone())?,
             inbox: Arc::clone(&inbox),
             status: status.clone(),
             files,
             paused: false,
         };
-        let tf = publisher(&mut self.node, &self.arguments.resolve("/tf"), qos::tf())?;
+        let tf = self.ends().publisher(&arguments.resolve("/tf"), qos::tf())?;
         self.tasks.spawn_local(broadcast(tf, corrected, status.clone(), live.watch()));
-        live.serve(&mut self.node, self.arguments, self.tasks)?;
-        serve_map(&mut self.node, self.arguments, &inbox, self.tasks)?;
+        live.serve(&mut self.node, arguments, self.tasks)?;
+        serve_map(&mut self.node, arguments, &inbox, self.tasks)?;
         if own.use_sim_time {
-            self.tasks.spawn_local(clock::follow(&mut self.node, status.clone())?);
+            self.tasks.spawn_local(clock::follow(self.ends(), status.clone())?);
         }
         let listening = self.subscriptions(&own, &inbox, &status, color)?;
         self.diagnostics(listening, &inbox, &status)?;
@@ -156,6 +159,10 @@ impl Start<'_> {
         Ok(Running { inbox, worker, ended })
     }
 
+    fn ends(&mut self) -> Ends<'_> {
+        Ends { context: self.context, node: &mut self.node }
+    }
+
     fn subscriptions(
         &mut self,
         own: &NodeSettings,
@@ -164,7 +171,7 @@ impl Start<'_> {
         color: ColorImages,
     ) -> Result<Vec<Listening>, NodeError> {
         let mut subscriptions = Subscriptions {
-            node: &mut self.node,
+            ends: Ends { context: self.context, node: &mut self.node },
             arguments: self.arguments,
             inbox,
             status,
@@ -178,6 +185,12 @@ impl Start<'_> {
         Ok(subscriptions.listening)
     }
 
+    fn log(&mut self, lines: LogLines) -> Result<(), NodeError> {
+        let logger = self.arguments.logger();
+        self.tasks.spawn_local(lines.publish(self.ends(), logger)?);
+        Ok(())
+    }
+
     fn diagnostics(
         &mut self,
         listening: Vec<Listening>,
@@ -187,7 +200,7 @@ impl Start<'_> {
         let topic = self.arguments.resolve("/diagnostics");
         let name = self.arguments.full_name();
         let diagnostics = Diagnostics {
-            publisher: publisher(&mut self.node, &topic, qos::stream(10))?,
+            publisher: self.ends().publisher(&topic, qos::stream(10))?,
             node: name.clone(),
             participant: self.context.domain_participant(),
             listening,

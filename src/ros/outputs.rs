@@ -2,9 +2,9 @@
 
 use super::{
     color::ColorImages,
-    names::{parsed, type_name},
     node::NodeError,
     qos,
+    topic::{Ends, Latched, send},
 };
 use crate::{
     config::{NodeSettings, PublishSettings, RosArguments},
@@ -25,19 +25,8 @@ use crate::{
     publication::{Outgoing, OutputTopic, Publication, draw_debug_image, query_objects},
     time::Stamp,
 };
-use ros2_client::{Node, Publisher, QosProfile};
+use ros2_client::Publisher;
 use tokio::sync::watch;
-
-/// A publisher of one of our message types.
-pub(super) fn publisher<M: Message>(
-    node: &mut Node,
-    topic: &str,
-    qos: QosProfile,
-) -> Result<Publisher<M>, NodeError> {
-    let failed = |e| NodeError::create(topic, e);
-    let dds = node.create_topic(&parsed(topic)?, type_name(M::TYPE), &qos).map_err(failed)?;
-    node.create_publisher(&dds, Some(qos)).map_err(failed)
-}
 
 /// All outputs that follow from an update.
 pub(super) struct Outputs {
@@ -53,10 +42,10 @@ struct Topics {
     /// `map -> odom` is said steadily, so that it is there when somebody asks: by `broadcast.rs`.
     transforms: watch::Sender<Option<TFMessage>>,
     odometry: Publisher<Odometry>,
-    path: Publisher<Path>,
-    markers: Publisher<MarkerArray>,
-    boxes: Publisher<Detection3DArray>,
-    objects: Publisher<ObjectArray>,
+    path: Latched<Path>,
+    markers: Latched<MarkerArray>,
+    boxes: Latched<Detection3DArray>,
+    objects: Latched<ObjectArray>,
     measurements: Publisher<EllipsoidMeasurementArray>,
     measurement_markers: Publisher<MarkerArray>,
     landmarks: Publisher<LandmarkDetections>,
@@ -65,7 +54,7 @@ struct Topics {
 
 impl Outputs {
     pub(super) fn create(
-        node: &mut Node,
+        ends: Ends<'_>,
         arguments: &RosArguments,
         settings: &NodeSettings,
         transforms: watch::Sender<Option<TFMessage>>,
@@ -74,7 +63,7 @@ impl Outputs {
         Ok(Self {
             publication: Publication::new(settings.publish, &settings.map_frame),
             map_frame: settings.map_frame.clone(),
-            topics: Topics::create(node, arguments, transforms)?,
+            topics: Topics::create(ends, arguments, transforms)?,
             color,
             draws: settings.publish.debug_image,
         })
@@ -121,10 +110,10 @@ impl Outputs {
         slam: &ObjectSlam,
         stamp: Stamp,
     ) -> QueryObjectsResponse {
-        query_objects(request, slam.objects(), self.publication.view(), (stamp, &self.map_frame))
+        query_objects(request, slam.map(), self.publication.view(), (stamp, &self.map_frame))
     }
 
-    fn draw(&self, keyframe: &Keyframe, slam: &ObjectSlam) {
+    fn draw(&mut self, keyframe: &Keyframe, slam: &ObjectSlam) {
         let Some(view) = self.publication.view() else { return };
         let (frame_id, mut image) = match self.color.at(keyframe.stamp) {
             Ok(found) => found,
@@ -138,41 +127,45 @@ impl Outputs {
 
 impl Topics {
     fn create(
-        node: &mut Node,
+        ends: Ends<'_>,
         arguments: &RosArguments,
         transforms: watch::Sender<Option<TFMessage>>,
     ) -> Result<Self, NodeError> {
-        let mut on = On { node, arguments };
+        let mut on = On { ends, arguments };
         Ok(Self {
             transforms,
-            odometry: on.topic(OutputTopic::Odometry)?,
-            path: on.topic(OutputTopic::Path)?,
-            markers: on.topic(OutputTopic::Markers)?,
-            boxes: on.topic(OutputTopic::Boxes)?,
-            objects: on.topic(OutputTopic::Objects)?,
-            measurements: on.topic(OutputTopic::Measurements)?,
-            measurement_markers: on.topic(OutputTopic::MeasurementMarkers)?,
-            landmarks: on.topic(OutputTopic::Landmarks)?,
-            debug_image: on.topic(OutputTopic::DebugImage)?,
+            odometry: on.stream(OutputTopic::Odometry)?,
+            path: on.latched(OutputTopic::Path)?,
+            markers: on.latched(OutputTopic::Markers)?,
+            boxes: on.latched(OutputTopic::Boxes)?,
+            objects: on.latched(OutputTopic::Objects)?,
+            measurements: on.stream(OutputTopic::Measurements)?,
+            measurement_markers: on.stream(OutputTopic::MeasurementMarkers)?,
+            landmarks: on.stream(OutputTopic::Landmarks)?,
+            debug_image: on.stream(OutputTopic::DebugImage)?,
         })
     }
 
-    fn send_all(&self, messages: Vec<(Stamp, Outgoing)>) {
+    fn send_all(&mut self, messages: Vec<(Stamp, Outgoing)>) {
         for (_, message) in messages {
             self.send(message);
         }
+        self.path.send_waiting();
+        self.markers.send_waiting();
+        self.boxes.send_waiting();
+        self.objects.send_waiting();
     }
 
-    fn send(&self, message: Outgoing) {
+    fn send(&mut self, message: Outgoing) {
         match message {
             Outgoing::Transforms(message) => {
                 self.transforms.send_replace(Some(message));
             }
             Outgoing::Odometry(message) => send(&self.odometry, *message),
-            Outgoing::Path(message) => send(&self.path, message),
-            Outgoing::Markers(message) => send(&self.markers, message),
-            Outgoing::Boxes(message) => send(&self.boxes, message),
-            Outgoing::Objects(message) => send(&self.objects, message),
+            Outgoing::Path(message) => self.path.send(message),
+            Outgoing::Markers(message) => self.markers.send(message),
+            Outgoing::Boxes(message) => self.boxes.send(message),
+            Outgoing::Objects(message) => self.objects.send(message),
             Outgoing::Measurements(message) => send(&self.measurements, message),
             Outgoing::MeasurementMarkers(message) => send(&self.measurement_markers, message),
             Outgoing::Landmarks(message) => send(&self.landmarks, message),
@@ -183,23 +176,21 @@ impl Topics {
 
 /// Where publishers are made.
 struct On<'a> {
-    node: &'a mut Node,
+    ends: Ends<'a>,
     arguments: &'a RosArguments,
 }
 
 impl On<'_> {
-    fn topic<M: Message>(&mut self, topic: OutputTopic) -> Result<Publisher<M>, NodeError> {
-        let qos = if topic.is_latched() { qos::latched() } else { qos::stream(STREAM_DEPTH) };
-        publisher(self.node, &self.arguments.resolve(topic.name()), qos)
+    fn stream<M: Message>(&mut self, topic: OutputTopic) -> Result<Publisher<M>, NodeError> {
+        self.ends.publisher(&self.arguments.resolve(topic.name()), qos::stream(STREAM_DEPTH))
+    }
+
+    fn latched<M: Message>(&mut self, topic: OutputTopic) -> Result<Latched<M>, NodeError> {
+        let publisher =
+            self.ends.publisher(&self.arguments.resolve(topic.name()), qos::latched())?;
+        Ok(Latched::new(publisher))
     }
 }
 
 /// Messages of a stream kept for a reader that has to ask again.
 const STREAM_DEPTH: usize = 10;
-
-/// Publishes; a subscriber that is too slow must not stop the node.
-pub(super) fn send<M: Message>(publisher: &Publisher<M>, message: M) {
-    if let Err(e) = publisher.publish(message) {
-        tracing::debug!("a {} was not sent: {}", M::TYPE, e.forget_data());
-    }
-}

@@ -2,6 +2,7 @@
 
 use super::{
     names::{NameError, parsed, type_name},
+    node::NotCreated,
     participant::{DdsDomain, DomainError},
     qos,
     raw::RawCdr,
@@ -30,13 +31,8 @@ pub enum PlayError {
     #[error(transparent)]
     Name(#[from] NameError),
     /// A publisher or the node.
-    #[error("{what} cannot be created: {problem}")]
-    Create {
-        /// A topic, or the node.
-        what: String,
-        /// What DDS said.
-        problem: String,
-    },
+    #[error(transparent)]
+    Create(#[from] NotCreated),
     /// A message that DDS does not take.
     #[error("{topic}: {problem}")]
     NotSent {
@@ -57,21 +53,17 @@ impl Player {
         topics: impl IntoIterator<Item = (&'a str, &'a str)>,
         clock: bool,
     ) -> Result<Self, PlayError> {
-        let create = |what: &str| {
-            let what = what.to_owned();
-            move |problem: String| PlayError::Create { what, problem }
-        };
         let context = domain.join()?;
-        let name = NodeName::new("/", NODE).map_err(|e| create(NODE)(e.to_string()))?;
+        let name = NodeName::new("/", NODE).map_err(|e| NotCreated::new(NODE, e))?;
         let mut node =
-            context.new_node(name, NodeOptions::new()).map_err(|e| create(NODE)(e.to_string()))?;
+            context.new_node(name, NodeOptions::new()).map_err(|e| NotCreated::new(NODE, e))?;
         let mut publish = |topic: &str, kind: &str| -> Result<Publisher<RawCdr>, PlayError> {
             let qos =
                 if topic.ends_with("/tf_static") { qos::tf_static() } else { qos::stream(DEPTH) };
             let dds = node
                 .create_topic(&parsed(topic)?, type_name(kind), &qos)
-                .map_err(|e| create(topic)(e.to_string()))?;
-            node.create_publisher(&dds, Some(qos)).map_err(|e| create(topic)(e.to_string()))
+                .map_err(|e| NotCreated::new(topic, e))?;
+            Ok(node.create_publisher(&dds, Some(qos)).map_err(|e| NotCreated::new(topic, e))?)
         };
         let mut publishers = BTreeMap::new();
         for (topic, kind) in topics {

@@ -5,6 +5,7 @@ use ros2_client::{
     QosProfile,
     qos::{Durability, History, WhenFull},
 };
+use std::time::Duration;
 
 /// Of an input.
 pub(super) fn input(qos: Qos, depth: usize) -> QosProfile {
@@ -33,6 +34,12 @@ pub(super) fn stream(depth: usize) -> QosProfile {
 /// Of an output that holds all there is: who comes later gets the last one.
 pub(super) fn latched() -> QosProfile {
     stream(1).durability(Durability::TransientLocal)
+}
+
+/// Of log lines, as rcl has it but for the depth: who comes later gets the latest.
+pub(super) fn log(depth: usize) -> QosProfile {
+    let lifespan = Some(Duration::from_secs(10));
+    stream(depth).durability(Durability::TransientLocal).lifespan(lifespan)
 }
 
 /// Of services.

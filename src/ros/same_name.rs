@@ -1,6 +1,9 @@
 //! Other nodes of our own name: ROS 2 allows them, and then services answer twice.
 
-use super::{node::NodeError, problems::Problem};
+use super::{
+    node::{NodeError, NotCreated},
+    problems::Problem,
+};
 use ros2_client::{
     Context, Gid, Node, Subscription,
     builtin_topics::ros_discovery,
@@ -24,8 +27,6 @@ impl SameName {
         full_name: String,
     ) -> Result<Self, NodeError> {
         let participant = context.domain_participant();
-        let failed =
-            |problem: String| NodeError::Create { what: ros_discovery::TOPIC_NAME.into(), problem };
         let topic = participant
             .create_topic(
                 ros_discovery::TOPIC_NAME.into(),
@@ -33,8 +34,10 @@ impl SameName {
                 &ros_discovery::QOS_PUB,
                 TopicKind::NoKey,
             )
-            .map_err(|e| failed(e.to_string()))?;
-        let infos = node.create_subscription(&topic, None).map_err(|e| failed(e.to_string()))?;
+            .map_err(|e| NotCreated::new(ros_discovery::TOPIC_NAME, e))?;
+        let infos = node
+            .create_subscription(&topic, None)
+            .map_err(|e| NotCreated::new(ros_discovery::TOPIC_NAME, e))?;
         let own = context.participant_entities_info().gid();
         Ok(Self { infos, own, full_name, others: BTreeSet::new() })
     }

@@ -1,6 +1,12 @@
 //! Services: requests become commands for the worker.
 
-use super::{inbox::Inbox, names::parsed, node::NodeError, qos, worker::Command};
+use super::{
+    inbox::Inbox,
+    names::parsed,
+    node::{NodeError, NotCreated},
+    qos,
+    worker::Command,
+};
 use crate::{
     config::RosArguments,
     msg::{
@@ -91,7 +97,7 @@ where
             qos::service(),
             qos::service(),
         )
-        .map_err(|e| NodeError::create(name, e))?;
+        .map_err(|e| NotCreated::new(name, e))?;
     let name = name.to_owned();
     tasks.spawn_local(async move {
         loop {

@@ -137,7 +137,7 @@ impl Jump {
 const JUMP_S: f64 = 1.0;
 
 #[expect(clippy::disallowed_methods, reason = "a shell reads the clock; the core does not")]
-fn system_time() -> Stamp {
+pub(super) fn system_time() -> Stamp {
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     Stamp::from_nanos(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
 }

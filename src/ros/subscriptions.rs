@@ -3,10 +3,10 @@
 use super::{
     color::{ColorImages, ColorMessage},
     inbox::Inbox,
-    names::{parsed, type_name},
     node::NodeError,
     qos,
     status::Shared,
+    topic::Ends,
 };
 use crate::{
     config::{DepthTransport, DetectionsType, NodeSettings, Qos, RgbTransport, RosArguments},
@@ -23,7 +23,7 @@ use crate::{
     pipeline::{CameraRole, Input},
     time::Stamp,
 };
-use ros2_client::{Node, QosProfile, ReadError, Subscription};
+use ros2_client::{QosProfile, ReadError, Subscription};
 use std::{cell::Cell, rc::Rc, sync::Arc};
 use tokio::task::LocalSet;
 
@@ -44,7 +44,7 @@ pub(super) struct Listening {
 
 /// Everything that a subscription needs.
 pub(super) struct Subscriptions<'a> {
-    pub(super) node: &'a mut Node,
+    pub(super) ends: Ends<'a>,
     pub(super) arguments: &'a RosArguments,
     pub(super) inbox: &'a Arc<Inbox>,
     pub(super) status: &'a Shared,
@@ -53,7 +53,7 @@ pub(super) struct Subscriptions<'a> {
 }
 
 /// Images kept until they are read: enough for the time that a compressed one takes.
-const IMAGE_DEPTH: usize = 5;
+const IMAGE_DEPTH: usize = 10;
 const SMALL_DEPTH: usize = 50;
 
 impl Subscriptions<'_> {
@@ -200,11 +200,7 @@ impl Subscriptions<'_> {
         qos: QosProfile,
         convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Heard, ConvertError> + 'static,
     ) -> Result<(), NodeError> {
-        let failed = |e| NodeError::create(topic, e);
-        let dds =
-            self.node.create_topic(&parsed(topic)?, type_name(M::TYPE), &qos).map_err(failed)?;
-        let subscription: Subscription<M> =
-            self.node.create_subscription(&dds, Some(qos.clone())).map_err(failed)?;
+        let subscription = self.ends.subscription(topic, qos.clone())?;
         self.listening.push(Listening {
             role: role.role,
             topic: topic.to_owned(),

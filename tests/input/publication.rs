@@ -2,7 +2,7 @@
 
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Ellipsoid, Outline, Pose},
-    mapping::ObjectId,
+    mapping::{MappingSettings, ObjectId, ObjectMap, SlamSettings},
     msg::{
         convert::{deletion_markers, pose_covariance},
         ellipsoid_slam::QueryObjectsRequest,
@@ -66,9 +66,10 @@ fn all_that_is_shown_of_an_object_is_deleted() {
 fn a_question_about_the_view_needs_one() {
     let request = QueryObjectsRequest { in_view: true, ..QueryObjectsRequest::default() };
     let at = (Stamp::from_secs(1.0), "map");
-    let answer = query_objects(&request, [], None, at);
+    let map = ObjectMap::new(MappingSettings::default(), SlamSettings::default());
+    let answer = query_objects(&request, &map, None, at);
     assert!(!answer.success && answer.message.contains("no view"), "{}", answer.message);
-    let answer = query_objects(&request, [], Some(&view()), at);
+    let answer = query_objects(&request, &map, Some(&view()), at);
     assert!(answer.success && answer.ids.is_empty() && answer.header.frame_id == "map");
 }
 

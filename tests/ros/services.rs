@@ -25,6 +25,34 @@ fn cyclone_dds_looks_objects_up_and_saves_and_loads_the_map() {
 }
 
 #[test]
+fn a_running_node_loads_a_map_and_finds_its_place_in_it() {
+    let stage = Stage::new();
+    let node = stage.node(&BAG_TOPICS);
+    // The second time the robot is switched on somewhere else: odometry starts at zero there.
+    let visit = |name: &str, frames: &str, more: &[&str]| {
+        let bag = stage.path(name);
+        let scene = ["simulate", "--scene", "desk", "--trajectory", "orbit", "--seed", "1"];
+        let args = [&scene[..], &["--frames", frames, "--output", &bag], more].concat();
+        succeeded(&stage.program(&args).output().unwrap(), &node);
+        bag
+    };
+    let first = visit("first.mcap", "16", &[]);
+    let second =
+        visit("second.mcap", "24", &["--visit", "1", "--set", "odometry.starts_at_zero=true"]);
+    let replayed = stage.path("first");
+    let replay = stage.program(&["replay", &first, "--output", &replayed]).output().unwrap();
+    succeeded(&replay, &node);
+    node.wait_for("runs in domain");
+    let map = format!("{replayed}/map.json");
+    let mut peer = stage.start(stage.peer("cyclone_load_map.py", &[&map]), "peer");
+    peer.wait_for("loaded");
+    let play = stage.program(&["play", &second, "--rate", "2", "--wait", "60"]).output().unwrap();
+    succeeded(&play, &node);
+    assert!(peer.wait().success(), "{}\n{}", peer.log(), node.log());
+    node.wait_for("the place in the loaded map is recognised");
+}
+
+#[test]
 fn a_reset_map_is_empty_and_its_markers_are_deleted() {
     let stage = Stage::new();
     let mut args = BAG_TOPICS.to_vec();

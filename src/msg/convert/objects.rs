@@ -57,6 +57,13 @@ fn object_message(object: &MapObject) -> Object {
     }
 }
 
+/// Labels with their probabilities: many who read `vision_msgs` take the first for the object's own.
+fn most_probable_first(object: &MapObject) -> Vec<(String, f64)> {
+    let mut labels: Vec<(String, f64)> = object.labels().into_iter().collect();
+    labels.sort_by(|a, b| b.1.total_cmp(&a.1));
+    labels
+}
+
 /// A matrix in the order of the wire.
 pub(super) fn rows(matrix: &SMatrix<f64, 9, 9>) -> [[f64; 9]; 9] {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
@@ -78,8 +85,7 @@ pub fn detections_3d<'a>(
                 &object.covariance().fixed_view::<6, 6>(0, 0).into_owned(),
             ),
         };
-        let results = object
-            .labels()
+        let results = most_probable_first(object)
             .into_iter()
             .map(|(class_id, score)| ObjectHypothesisWithPose {
                 hypothesis: ObjectHypothesis { class_id, score },
