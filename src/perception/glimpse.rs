@@ -49,7 +49,7 @@ impl Apparent {
         );
         let (fx, fy) = camera.focal();
         Some(Self {
-            direction: (frame.level_from_camera() * ray).normalize(),
+            direction: frame.level_from_camera() * ray / ray.norm(),
             width,
             height,
             sigma: [
