@@ -59,12 +59,14 @@ impl ObjectMap {
         seen.dedup();
         self.count_neighbours(&seen);
         associated.crowded.iter().for_each(|at| self.objects[*at].crowded += 1);
+        associated.contradicted.iter().for_each(|at| self.objects[*at].contradicted += 1);
         self.weigh(associated, &seen, is_new_view);
         let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
         let mut changes = Vec::new();
         self.settle(&mut changes);
         if self.settings.association == Association::Automatic {
-            self.split_and_merge(&seen, &mut changes);
+            self.merge_duplicates(&seen, &mut changes);
+            self.split_fresh(&mut changes);
             self.find_moved(sighting, &mut changes);
         }
         changes
@@ -121,9 +123,9 @@ impl ObjectMap {
         }
     }
 
-    /// Looks at what was just seen and what stands in the same place.
-    fn split_and_merge(&mut self, seen: &[ObjectId], changes: &mut Vec<ObjectChange>) {
-        for id in seen {
+    /// Merges each of these with what is the same thing.
+    pub(super) fn merge_duplicates(&mut self, ids: &[ObjectId], changes: &mut Vec<ObjectChange>) {
+        for id in ids {
             let Some(at) = self.position(*id) else { continue };
             let other = (0..self.objects.len()).find(|other| self.are_one(at, *other));
             if let Some(other) = other {
@@ -137,6 +139,10 @@ impl ObjectMap {
                 }
             }
         }
+    }
+
+    /// Gives what has come to count the measurements that its neighbours had of it.
+    fn split_fresh(&mut self, changes: &mut Vec<ObjectChange>) {
         let fresh: Vec<ObjectId> = changes
             .iter()
             .filter_map(|c| match c {

@@ -65,6 +65,8 @@ pub struct MapObject {
     pub(super) beside: BTreeMap<ObjectId, u32>,
     /// In how many images a second box was in its place.
     pub(super) crowded: u32,
+    /// How many boxes were in its place that do not fit it.
+    pub(super) contradicted: u32,
 }
 
 impl MapObject {
@@ -94,6 +96,7 @@ impl MapObject {
             existence: Existence::default(),
             beside: BTreeMap::new(),
             crowded: 0,
+            contradicted: 0,
         }
     }
 
@@ -133,6 +136,7 @@ impl MapObject {
             belief: saved.labels.clone(),
             existence: Existence::remembered(saved.existence),
             crowded: 0,
+            contradicted: 0,
             beside: BTreeMap::new(),
         })
     }
@@ -198,6 +202,11 @@ impl MapObject {
     /// Whether it was seen often enough to be an object of the map.
     pub(super) fn counts(&self) -> bool {
         self.existence.state != ObjectState::Tentative
+    }
+
+    /// Whether more boxes in its place speak against it than for it, before it counts.
+    pub(super) fn is_discredited(&self) -> bool {
+        !self.counts() && self.contradicted > self.observations
     }
 
     pub(super) fn belief(&self) -> &BTreeMap<String, f64> {
