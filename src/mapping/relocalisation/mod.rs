@@ -137,6 +137,8 @@ pub struct Constellation {
     counts: BTreeMap<String, f64>,
     /// Ground that the map covers (m^2).
     area: f64,
+    /// The largest mean horizontal variance of a centre (m^2).
+    largest_variance: f64,
     settings: RelocalisationSettings,
 }
 
@@ -155,7 +157,9 @@ impl Constellation {
         };
         let area = extent(0) * extent(1);
         let labels = landmarks.iter().map(|l| l.labels.clone()).collect();
-        Self { bodies, labels, counts, area, settings }
+        let variances = bodies.iter().map(Body::horizontal_variance);
+        let largest_variance = variances.fold(0.0, f64::max);
+        Self { bodies, labels, counts, area, largest_variance, settings }
     }
 
     /// Finds the place of the seen objects.
@@ -190,7 +194,7 @@ impl Constellation {
         self.decide(&places, &bodies, proposed.complete_above)
     }
 
-    /// Objects of the map that have a label in common with a seen one, and a size that could be the same.
+    /// Objects of the map that have a label in common with a seen one, and a size that could be the same, in the order of x.
     fn candidates(&self, seen: &Landmark, body: &Body) -> Vec<Candidate> {
         let of_known = |(known, labels): (usize, &BTreeMap<String, f64>)| {
             let common = seen.labels.iter().filter_map(|(label, p)| {
@@ -204,7 +208,10 @@ impl Constellation {
             let evidence = odds.ln();
             (odds > 0.0 && size > MIN_LIKENESS).then_some(Candidate { known, evidence })
         };
-        self.labels.iter().enumerate().filter_map(of_known).collect()
+        let mut candidates: Vec<_> = self.labels.iter().enumerate().filter_map(of_known).collect();
+        let x = |candidate: &Candidate| self.bodies[candidate.known].center.x;
+        candidates.sort_by(|a, b| x(a).total_cmp(&x(b)));
+        candidates
     }
 
     /// Whether the best place is beyond doubt, with whichever object left out.
