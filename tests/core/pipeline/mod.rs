@@ -2,6 +2,7 @@
 
 mod clocks;
 mod missing;
+mod moved_chair;
 mod pairing;
 mod poses;
 mod random_orders;
