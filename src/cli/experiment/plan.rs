@@ -83,7 +83,7 @@ pub(super) const TABLES: &[Table] = &[
         title: "Our own protocol",
         text: "As on a robot: all boxes of a detector that misses, invents, cuts and confuses, odometry that drifts \
                (white noise), objects that were in sight in at least 5 frames. An object that was found has its centre \
-               within 0.75 m of the true one; where association is given, it is known which it is, however far off. So \
+               within 0.75 m of the true one, those of one class first; where association is given, it is known which it is, however far off. So \
                errors under the two associations are means over different objects: the automatic one leaves out what \
                it lost, and of two objects for one true one the nearer counts.",
         sequences: &[DESK_ORBIT, DESK_FORWARD, HOME_ORBIT, HOME_FORWARD],
