@@ -18,19 +18,38 @@ pub(super) struct Proposals {
 pub(super) struct Candidate {
     pub(super) known: usize,
     pub(super) evidence: f64,
+    /// Where it is in the map (m).
+    pub(super) x: f64,
 }
 
-/// Those of some candidates, which are in the order of x, that are within `reach` of an x in the map (m).
-pub(super) fn near<'a>(
-    candidates: &'a [Candidate],
-    map: &Constellation,
-    x: f64,
-    reach: f64,
-) -> &'a [Candidate] {
-    let is_before = |end: f64| move |c: &Candidate| map.bodies[c.known].center.x < end;
-    let from = candidates.partition_point(is_before(x - reach));
-    let count = candidates[from..].partition_point(is_before(x + reach));
-    &candidates[from..from + count]
+/// The candidates of one seen object.
+pub(super) struct Candidates {
+    by_x: Vec<Candidate>,
+    /// The most that one of them has.
+    evidence: f64,
+}
+
+impl Candidates {
+    pub(super) fn new(mut by_x: Vec<Candidate>) -> Self {
+        by_x.sort_by(|a, b| a.x.total_cmp(&b.x));
+        let evidence = by_x.iter().map(|c| c.evidence).fold(f64::MIN, f64::max);
+        Self { by_x, evidence }
+    }
+
+    /// Those within `reach` of an x in the map (m).
+    pub(super) fn near(&self, x: f64, reach: f64) -> &[Candidate] {
+        let from = self.by_x.partition_point(|c| c.x < x - reach);
+        let count = self.by_x[from..].partition_point(|c| c.x <= x + reach);
+        &self.by_x[from..from + count]
+    }
+
+    /// How far off one of them still speaks for a place (m), when no variance of its distance is larger than this (m^2).
+    ///
+    /// It does where `d^2 < 2 v (e - ln(2 pi v))`, which rises with the variance up to `v = exp(e - 1) / 2 pi`.
+    fn reach(&self, largest_variance: f64) -> f64 {
+        let variance = largest_variance.min((self.evidence - 1.0).exp() / TAU);
+        (2.0 * variance * (self.evidence - (TAU * variance).ln())).max(0.0).sqrt()
+    }
 }
 
 /// Exact but for the bound: any place that explains two of the objects looked at is proposed by these two.
@@ -40,18 +59,19 @@ pub(super) fn near<'a>(
 pub(super) fn proposals(
     seen: &[Body],
     map: &Constellation,
-    candidates: &[Vec<Candidate>],
+    candidates: &[Candidates],
 ) -> Proposals {
-    let mut rarest: Vec<usize> = (0..seen.len()).filter(|l| !candidates[*l].is_empty()).collect();
-    rarest.sort_by_key(|l| (candidates[*l].len(), *l));
+    let mut rarest: Vec<usize> =
+        (0..seen.len()).filter(|l| !candidates[*l].by_x.is_empty()).collect();
+    rarest.sort_by_key(|l| (candidates[*l].by_x.len(), *l));
     let reach = Reach::of(seen);
     let mut cells: BTreeMap<[i64; 4], (f64, Placement)> = BTreeMap::new();
     let (mut budget, mut whole) = (MAX_COMPARED, rarest.len());
     for (j, second) in rarest.iter().enumerate() {
         let compared = |first: &usize| -> usize {
             let pair = Pair::new((*first, *second), seen, map);
-            let of_first = candidates[*first].iter();
-            of_first.map(|from| pair.near(from, map, &candidates[*second]).len()).sum()
+            let of_first = candidates[*first].by_x.iter();
+            of_first.map(|from| candidates[*second].near(from.x, pair.reach).len()).sum()
         };
         let cost: usize = rarest[..j].iter().map(compared).sum();
         if cost > budget {
@@ -129,27 +149,18 @@ impl<'a> Pair<'a> {
         Self { bodies, step, reach: step.xy().norm() + GATE * most.sqrt() }
     }
 
-    /// Candidates of the second one that may be as far from one of the first.
-    fn near<'b>(
-        &self,
-        from: &Candidate,
-        map: &Constellation,
-        seconds: &'b [Candidate],
-    ) -> &'b [Candidate] {
-        near(seconds, map, map.bodies[from.known].center.x, self.reach)
-    }
-
     /// All places that put the two onto two of the map.
     fn placements(
         &self,
         map: &Constellation,
-        firsts: &[Candidate],
-        seconds: &[Candidate],
+        firsts: &Candidates,
+        seconds: &Candidates,
     ) -> Vec<ByPair> {
-        let of_first = |from| self.near(from, map, seconds).iter().map(move |to| (from, to));
-        let onto = firsts.iter().flat_map(of_first).filter(|(from, to)| from.known != to.known);
-        onto.filter_map(|(from, to)| self.onto([&map.bodies[from.known], &map.bodies[to.known]]))
-            .collect()
+        let onto = firsts.by_x.iter().flat_map(|from| {
+            let others = seconds.near(from.x, self.reach).iter();
+            others.filter(|to| to.known != from.known).map(move |to| (from.known, to.known))
+        });
+        onto.filter_map(|(from, to)| self.onto([&map.bodies[from], &map.bodies[to]])).collect()
     }
 
     /// The place that puts the two onto these two of the map, if they can be the same.
@@ -185,14 +196,10 @@ impl<'a> Pair<'a> {
 
 impl ByPair {
     /// About how much the seen objects speak for it: without headings, and with objects of the map used twice.
-    fn quick_score(
-        &self,
-        seen: &[Body],
-        map: &Constellation,
-        candidates: &[Vec<Candidate>],
-    ) -> f64 {
-        let of_seen = |(body, candidates): (&Body, &Vec<Candidate>)| {
-            let at = self.placement.place(&body.center);
+    fn quick_score(&self, seen: &[Body], map: &Constellation, candidates: &[Candidates]) -> f64 {
+        let rotation = self.placement.rotation();
+        let of_seen = |(body, candidates): (&Body, &Candidates)| {
+            let at = rotation * body.center + self.placement.shift;
             let lever = (body.center - self.middle).xy().norm_squared();
             let own = body.horizontal_variance() + self.shift_variance + self.yaw_variance * lever;
             let of_candidate = |candidate: &Candidate| {
@@ -201,20 +208,11 @@ impl ByPair {
                 let apart = (known.center - at).xy().norm_squared();
                 candidate.evidence - 0.5 * apart / variance - (TAU * variance).ln()
             };
-            let reach = speaking_reach(candidates, own + map.largest_variance);
-            near(candidates, map, at.x, reach).iter().map(of_candidate).fold(0.0, f64::max)
+            let reach = candidates.reach(own + map.largest_variance);
+            candidates.near(at.x, reach).iter().map(of_candidate).fold(0.0, f64::max)
         };
         seen.iter().zip(candidates).map(of_seen).sum()
     }
-}
-
-/// How far off a candidate still speaks for a place (m), when no variance of its distance is larger than this (m^2).
-///
-/// It does where `d^2 < 2 v (e - ln(2 pi v))`, which rises with the variance up to `v = exp(e - 1) / 2 pi`.
-fn speaking_reach(candidates: &[Candidate], largest_variance: f64) -> f64 {
-    let evidence = candidates.iter().map(|c| c.evidence).fold(f64::MIN, f64::max);
-    let variance = largest_variance.min((evidence - 1.0).exp() / TAU);
-    (2.0 * variance * (evidence - (TAU * variance).ln())).max(0.0).sqrt()
 }
 
 /// Standard deviations within which two distances are the same.

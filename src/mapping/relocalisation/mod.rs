@@ -14,7 +14,7 @@ mod place;
 pub use landmark::Landmark;
 
 use crate::geometry::Pose;
-use hypotheses::{Candidate, proposals};
+use hypotheses::{Candidate, Candidates, proposals};
 use landmark::{Body, Placement, likeness_of_size};
 use nalgebra::Matrix4;
 use place::Place;
@@ -175,7 +175,7 @@ impl Constellation {
             return Err(NotRelocalised::TooFewObjects { seen: seen.len(), needed: MIN_OBJECTS });
         }
         let bodies: Vec<Body> = seen.iter().map(|l| Body::new(l, &self.settings)).collect();
-        let candidates: Vec<Vec<Candidate>> =
+        let candidates: Vec<Candidates> =
             seen.iter().zip(&bodies).map(|(l, body)| self.candidates(l, body)).collect();
         let proposed = proposals(&bodies, self, &candidates);
         let mut places: Vec<Place> = Vec::new();
@@ -194,8 +194,8 @@ impl Constellation {
         self.decide(&places, &bodies, proposed.complete_above)
     }
 
-    /// Objects of the map that have a label in common with a seen one, and a size that could be the same, in the order of x.
-    fn candidates(&self, seen: &Landmark, body: &Body) -> Vec<Candidate> {
+    /// Objects of the map that have a label in common with a seen one, and a size that could be the same.
+    fn candidates(&self, seen: &Landmark, body: &Body) -> Candidates {
         let of_known = |(known, labels): (usize, &BTreeMap<String, f64>)| {
             let common = seen.labels.iter().filter_map(|(label, p)| {
                 Some(p * labels.get(label)? * self.area / self.counts.get(label)?)
@@ -206,12 +206,10 @@ impl Constellation {
                 .into_iter()
                 .fold(f64::MIN, f64::max);
             let evidence = odds.ln();
-            (odds > 0.0 && size > MIN_LIKENESS).then_some(Candidate { known, evidence })
+            let x = self.bodies[known].center.x;
+            (odds > 0.0 && size > MIN_LIKENESS).then_some(Candidate { known, evidence, x })
         };
-        let mut candidates: Vec<_> = self.labels.iter().enumerate().filter_map(of_known).collect();
-        let x = |candidate: &Candidate| self.bodies[candidate.known].center.x;
-        candidates.sort_by(|a, b| x(a).total_cmp(&x(b)));
-        candidates
+        Candidates::new(self.labels.iter().enumerate().filter_map(of_known).collect())
     }
 
     /// Whether the best place is beyond doubt, with whichever object left out.
