@@ -58,7 +58,7 @@ impl ObjectMap {
         seen.sort_unstable();
         seen.dedup();
         self.count_neighbours(&seen);
-        associated.crowded.iter().for_each(|at| self.objects[*at].crowded += 1);
+        self.count_second_boxes(&associated.crowded, &seen);
         associated.contradicted.iter().for_each(|at| self.objects[*at].contradicted += 1);
         self.weigh(associated, &seen, is_new_view);
         let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
@@ -80,6 +80,16 @@ impl ObjectMap {
                 let other = self.objects[b].id;
                 *self.objects[a].beside.entry(other).or_default() += 1;
             }
+        }
+    }
+
+    /// In how many images more than not an object had a second box in its place. One now and then is of what stands behind
+    /// it; two things that were taken for one have one each time.
+    fn count_second_boxes(&mut self, crowded: &[usize], seen: &[usize]) {
+        crowded.iter().for_each(|at| self.objects[*at].crowded += 1);
+        for at in seen.iter().filter(|at| !crowded.contains(at)) {
+            let count = &mut self.objects[*at].crowded;
+            *count = count.saturating_sub(1);
         }
     }
 
@@ -124,7 +134,7 @@ impl ObjectMap {
     }
 
     /// Merges each of these with what is the same thing.
-    pub(super) fn merge_duplicates(&mut self, ids: &[ObjectId], changes: &mut Vec<ObjectChange>) {
+    fn merge_duplicates(&mut self, ids: &[ObjectId], changes: &mut Vec<ObjectChange>) {
         for id in ids {
             let Some(at) = self.position(*id) else { continue };
             let other = (0..self.objects.len()).find(|other| self.are_one(at, *other));

@@ -63,7 +63,7 @@ pub struct MapObject {
     pub(super) existence: Existence,
     /// How often it had a box beside one of these others: they are not the same.
     pub(super) beside: BTreeMap<ObjectId, u32>,
-    /// In how many images a second box was in its place.
+    /// In how many images a second box was in its place, less those in which there was none.
     pub(super) crowded: u32,
     /// How many boxes were in its place that do not fit it.
     pub(super) contradicted: u32,

@@ -92,6 +92,27 @@ fn what_counts_keeps_its_place_however_often_a_box_does_not_fit() {
 }
 
 #[test]
+fn a_second_box_now_and_then_does_not_make_two_of_one() {
+    let mut map = empty();
+    (0..3).for_each(|second| drop(observe(&mut map, f64::from(second), vec![chair(0.0, 0.0)])));
+    for second in 3..20 {
+        // The box of a chair behind it is filled by its points.
+        let behind = (second % 2 == 0).then(|| chair(0.12, 0.0));
+        let boxes = [chair(0.0, 0.0)].into_iter().chain(behind).collect();
+        let found = observe(&mut map, f64::from(second), boxes);
+        assert!(
+            found[0] == Some(ObjectId(1)) && found[1..].iter().all(Option::is_none),
+            "{found:?}"
+        );
+    }
+    // In every image: then it is one.
+    for second in 20..24 {
+        observe(&mut map, f64::from(second), vec![chair(0.0, 0.0), chair(0.12, 0.0)]);
+    }
+    assert_eq!(map.all().len(), 2);
+}
+
+#[test]
 fn what_has_come_into_one_place_is_merged_unless_both_were_seen_at_once() {
     for together in [false, true] {
         let mut map = empty();
