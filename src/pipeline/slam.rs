@@ -12,8 +12,8 @@ use crate::{
         ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View,
     },
     perception::{
-        DepthImage, Detection, EllipsoidMeasurement, Frame, Rays, Refused, Stage, StageObserver,
-        estimate_frame, register_depth,
+        DepthImage, Detection, EllipsoidMeasurement, Frame, Glimpse, Rays, Refused, Stage,
+        StageObserver, estimate_frame, register_depth,
     },
     time::Stamp,
 };
@@ -208,7 +208,8 @@ impl ObjectSlam {
 
         observer.enter(Some(Stage::Mapping));
         let camera = &moment.color.camera;
-        let seen = detections.iter().zip(&estimate.objects).map(|(detection, found)| Observation {
+        let found = estimate.objects.iter().zip(&estimate.glimpses);
+        let seen = detections.iter().zip(found).map(|(detection, (found, glimpse))| Observation {
             labels: detection.hypotheses().to_vec(),
             track: detection.track,
             outline: self.settings.perception.classes.prior(detection.label()).outline,
@@ -219,7 +220,11 @@ impl ObjectSlam {
                 (camera, &moment.base_from_camera),
                 &self.settings.slam,
             ),
-            measured: found.as_ref().ok().map(|m| in_base(m, &moment.base_from_camera)),
+            measured: match (found, glimpse) {
+                (Ok(measured), _) => Some(in_base(measured, &moment.base_from_camera)),
+                (Err(_), Some(glimpse)) => Some(glimpsed(glimpse, &moment.base_from_camera)),
+                (Err(_), None) => None,
+            },
         });
         let sighted = self.map.observe(&Sighting {
             stamp,
@@ -297,6 +302,17 @@ fn in_base(measurement: &EllipsoidMeasurement, base_from_camera: &Pose) -> Measu
         covariance: measurement.covariance,
         probability: measurement.probability.combined(),
         support: measurement.support.map(|plane| plane.transformed(base_from_camera)),
+        is_glimpse: false,
+    }
+}
+
+fn glimpsed(glimpse: &Glimpse, base_from_camera: &Pose) -> Measured {
+    Measured {
+        ellipsoid: glimpse.ellipsoid.transformed(base_from_camera),
+        covariance: glimpse.covariance,
+        probability: 0.0,
+        support: None,
+        is_glimpse: true,
     }
 }
 
