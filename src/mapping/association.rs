@@ -125,7 +125,7 @@ impl Evidence<'_> {
     /// same thing, begun a second time, and if boxes waited for it neither would ever count.
     fn is_alternative(&self, object: usize, other: usize) -> bool {
         let (object, other) = (&self.objects[object], &self.objects[other]);
-        let is_known = other.counts() || object.beside.contains_key(&other.id);
+        let is_known = other.counts() || object.company.beside.contains_key(&other.id);
         is_known && overlap(object.estimate(), other.estimate()).0 <= SAME_PLACE
     }
 
@@ -145,7 +145,7 @@ impl Evidence<'_> {
         let blocking: Vec<usize> = (fits.explaining.keys().copied())
             .filter(|object| !is_taken(object) && !self.objects[*object].is_discredited())
             .collect();
-        let may_be_two = |object: &usize| self.objects[*object].crowded >= BELIEVED_TWO;
+        let may_be_two = |object: &usize| self.objects[*object].company.may_be_two();
         let is_waiting =
             taken.is_some_and(|(object, _)| !may_be_two(object)) || !blocking.is_empty();
         associated.contradicted.extend(blocking);
@@ -301,5 +301,3 @@ const TENTATIVE_COST: f64 = 0.5;
 const SAME_BOX: f64 = 0.6;
 /// The box says that it is another object where it overlaps that one's by so much more.
 const BETTER_OVERLAP: f64 = 0.2;
-/// Images with a second box in an object before that is believed.
-const BELIEVED_TWO: u32 = 3;

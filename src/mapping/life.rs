@@ -59,8 +59,12 @@ impl ObjectMap {
         seen.sort_unstable();
         seen.dedup();
         self.count_neighbours(&seen);
-        self.count_second_boxes(&associated.crowded, &seen);
-        associated.contradicted.iter().for_each(|at| self.objects[*at].contradicted += 1);
+        for at in &seen {
+            self.objects[*at].company.see(associated.crowded.contains(at));
+        }
+        for at in &associated.contradicted {
+            self.objects[*at].company.contradicted += 1;
+        }
         self.weigh(associated, &seen, is_new_view);
         let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
         let mut changes = Vec::new();
@@ -79,18 +83,8 @@ impl ObjectMap {
             let apart = self.objects[a].estimate().center() - self.objects[b].estimate().center();
             if a != b && apart.norm() < NEIGHBOUR_M {
                 let other = self.objects[b].id;
-                *self.objects[a].beside.entry(other).or_default() += 1;
+                *self.objects[a].company.beside.entry(other).or_default() += 1;
             }
-        }
-    }
-
-    /// In how many images more than not an object had a second box in its place. One now and then is of what stands behind
-    /// it; two things that were taken for one have one each time.
-    fn count_second_boxes(&mut self, crowded: &[usize], seen: &[usize]) {
-        crowded.iter().for_each(|at| self.objects[*at].crowded += 1);
-        for at in seen.iter().filter(|at| !crowded.contains(at)) {
-            let count = &mut self.objects[*at].crowded;
-            *count = count.saturating_sub(1);
         }
     }
 
@@ -172,7 +166,8 @@ impl ObjectMap {
             .collect();
         for into in fresh {
             let Some(at) = self.position(into) else { continue };
-            let neighbours: Vec<ObjectId> = self.objects[at].beside.keys().copied().collect();
+            let neighbours: Vec<ObjectId> =
+                self.objects[at].company.beside.keys().copied().collect();
             for from in neighbours {
                 if self.split(from, into).is_ok_and(|moved| moved > 0) {
                     changes.push(ObjectChange::Split { from, into });
@@ -189,7 +184,7 @@ impl ObjectMap {
         if a.id == b.id || (a.estimate().center() - b.estimate().center()).norm() > reach {
             return false;
         }
-        let beside = a.beside.get(&b.id).copied().unwrap_or(0);
+        let beside = a.company.beside.get(&b.id).copied().unwrap_or(0);
         if f64::from(beside) > MAX_BESIDE * f64::from(a.observations.min(b.observations)) {
             return false;
         }

@@ -3,6 +3,7 @@
 use super::{
     BoxOutline, MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings,
     Weighting,
+    company::Company,
     existence::Existence,
     odometry::Place,
     ties::{Tie, TieFactor},
@@ -63,12 +64,7 @@ pub struct MapObject {
     pub(super) existence: Existence,
     /// Whether there are only glimpses of it.
     glimpsed: bool,
-    /// How often it had a box beside one of these others: they are not the same.
-    pub(super) beside: BTreeMap<ObjectId, u32>,
-    /// In how many images a second box was in its place, less those in which there was none.
-    pub(super) crowded: u32,
-    /// How many boxes were in its place that do not fit it.
-    pub(super) contradicted: u32,
+    pub(super) company: Company,
 }
 
 impl MapObject {
@@ -97,9 +93,7 @@ impl MapObject {
             belief: BTreeMap::new(),
             existence: Existence::default(),
             glimpsed: first.measured.as_ref().is_some_and(|measured| measured.is_glimpse),
-            beside: BTreeMap::new(),
-            crowded: 0,
-            contradicted: 0,
+            company: Company::default(),
         }
     }
 
@@ -139,9 +133,7 @@ impl MapObject {
             belief: saved.labels.clone(),
             existence: Existence::remembered(saved.existence),
             glimpsed: false,
-            crowded: 0,
-            contradicted: 0,
-            beside: BTreeMap::new(),
+            company: Company::default(),
         })
     }
 
@@ -210,7 +202,7 @@ impl MapObject {
 
     /// Whether more boxes in its place speak against it than for it, before it counts.
     pub(super) fn is_discredited(&self) -> bool {
-        !self.counts() && self.contradicted > self.observations
+        !self.counts() && self.company.contradicted > self.observations
     }
 
     /// Whether it was never measured: its place follows from boxes without depth, seen from several places.
