@@ -6,6 +6,7 @@ mod company;
 mod continuation;
 mod existence;
 mod gate;
+mod glimpsed;
 mod index;
 mod initial;
 mod labels;
