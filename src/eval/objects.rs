@@ -9,6 +9,7 @@ use super::{
 use crate::geometry::{Ellipsoid, OrientedBox};
 use nalgebra::{Point3, SMatrix};
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// True objects with fewer observations do not count: neither as found nor as missed.
 pub const MIN_OBSERVATIONS: u64 = 5;
@@ -107,14 +108,39 @@ pub struct ObjectScores {
     pub false_objects: Vec<FalseObject>,
 }
 
-/// Compares a map with the truth, both in the same frame; nearest centres belong together.
+/// Compares a map with the truth, both in the same frame. Nearest centres of one class belong together, and of what is left
+/// nearest centres: a book beside a cup is not the cup, though it may have been taken for a laptop.
 pub fn evaluate(map: &[EstimatedObject], truth: &GroundTruth) -> ObjectScores {
-    let true_centers: Vec<_> =
-        truth.objects.iter().map(|o| Point3::from(o.pose.translation.vector)).collect();
-    let centers: Vec<_> = map.iter().map(|o| o.ellipsoid.center()).collect();
     // Objects that do not count take part, so that what was made of them is not held against the map.
-    let pairs = assignment(&true_centers, &centers, MATCH_DISTANCE_M);
+    let mut left: (Vec<usize>, Vec<usize>) =
+        ((0..truth.objects.len()).collect(), (0..map.len()).collect());
+    let mut pairs = Vec::new();
+    let classes: BTreeSet<&str> = map.iter().map(|o| o.label.as_str()).collect();
+    for class in classes.into_iter().map(Some).chain([None]) {
+        let is_of = |label: &str| class.is_none_or(|class| class == label);
+        let trues = left.0.iter().copied().filter(|t| is_of(&truth.objects[*t].label));
+        let found = left.1.iter().copied().filter(|m| is_of(&map[*m].label));
+        pairs.extend(nearest(&trues.collect::<Vec<_>>(), &found.collect::<Vec<_>>(), truth, map));
+        left.0.retain(|t| !pairs.iter().any(|pair| pair.0 == *t));
+        left.1.retain(|m| !pairs.iter().any(|pair| pair.1 == *m));
+    }
+    pairs.sort_unstable();
     scored(&map.iter().collect::<Vec<_>>(), truth, &pairs)
+}
+
+/// The assignment of some objects, as indices into all.
+fn nearest(
+    trues: &[usize],
+    found: &[usize],
+    truth: &GroundTruth,
+    map: &[EstimatedObject],
+) -> Vec<(usize, usize)> {
+    let true_centers = trues.iter().map(|t| truth.objects[*t].pose.translation.vector.into());
+    let centers = found.iter().map(|m| map[*m].ellipsoid.center());
+    let (true_centers, centers): (Vec<Point3<f64>>, Vec<_>) =
+        (true_centers.collect(), centers.collect());
+    let pairs = assignment(&true_centers, &centers, MATCH_DISTANCE_M);
+    pairs.into_iter().map(|(t, m)| (trues[t], found[m])).collect()
 }
 
 /// Compares a map whose objects come with the ids of the true objects that they show: however far off it is, such an

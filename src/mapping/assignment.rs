@@ -26,15 +26,15 @@ pub(super) fn assign(costs: &Costs, alone: f64) -> Vec<Option<usize>> {
     pairs.map(|pair| objects.get(pair.1).copied().filter(|_| saved(pair) > 0)).collect()
 }
 
-/// The other object that a measurement might as well be: where giving it that one, and its own to the measurement that
+/// The other objects that a measurement might as well be: where giving it that one, and its own to the measurement that
 /// has it, costs less than `margin` more.
-pub(super) fn rival(
+pub(super) fn rivals(
     costs: &Costs,
     assigned: &[Option<usize>],
     measurement: usize,
     (alone, margin): (f64, f64),
-) -> Option<usize> {
-    let own = assigned[measurement]?;
+) -> Vec<usize> {
+    let Some(own) = assigned[measurement] else { return Vec::new() };
     let cost = |measurement: usize, object: usize| {
         costs[measurement].get(&object).copied().unwrap_or(alone).min(alone)
     };
@@ -44,5 +44,6 @@ pub(super) fn rival(
         here + holder.map_or(0.0, |holder| cost(holder, own) - cost(holder, other))
     };
     let others = costs[measurement].keys().copied().filter(|other| *other != own);
-    others.filter(|other| cost(measurement, *other) < alone).find(|other| more(*other) < margin)
+    let near = others.filter(|other| cost(measurement, *other) < alone);
+    near.filter(|other| more(*other) < margin).collect()
 }

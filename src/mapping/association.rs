@@ -2,7 +2,7 @@
 
 use super::{
     MapObject, MappingSettings, Measured, Observation, View,
-    assignment::{Costs, assign, rival},
+    assignment::{Costs, assign, rivals},
     gate::{Candidate, Step, overlap},
     index::ObjectIndex,
     visibility::Prospect,
@@ -34,6 +34,7 @@ pub(super) enum Decision {
 }
 
 /// What was decided about a sighting.
+#[derive(Default)]
 pub(super) struct Associated {
     /// One for each observation.
     pub(super) decisions: Vec<Decision>,
@@ -41,6 +42,8 @@ pub(super) struct Associated {
     pub(super) shown: BTreeSet<usize>,
     /// Objects in which a second box was.
     pub(super) crowded: Vec<usize>,
+    /// Objects where a box was that does not fit them.
+    pub(super) contradicted: Vec<usize>,
     /// How the objects before the camera should look.
     pub(super) prospects: BTreeMap<usize, Prospect>,
 }
@@ -48,7 +51,7 @@ pub(super) struct Associated {
 impl Associated {
     /// Decisions that were made elsewhere.
     pub(super) fn given(decisions: Vec<Decision>) -> Self {
-        Self { decisions, shown: BTreeSet::new(), crowded: Vec::new(), prospects: BTreeMap::new() }
+        Self { decisions, ..Self::default() }
     }
 }
 
@@ -80,18 +83,13 @@ impl Evidence<'_> {
             .collect();
         let costs: Costs = fits.iter().map(|fits| fits.costs.clone()).collect();
         let assigned = assign(&costs, self.settings.gate.new_object_cost);
-        let mut associated = Associated {
-            decisions: Vec::new(),
-            shown: BTreeSet::new(),
-            crowded: Vec::new(),
-            prospects,
-        };
+        let mut associated = Associated { prospects, ..Associated::default() };
         for (at, observation) in observations.iter().enumerate() {
             let is_usable = observation.measured.is_some() && !doubtful[at];
             let decision = match assigned[at] {
                 _ if !is_usable => Decision::Wait,
                 Some(object) => self.clear((&costs, &fits), &assigned, (at, object)),
-                None => self.new_or_wait(&fits[at], &assigned, &mut associated.crowded),
+                None => self.new_or_wait(&fits[at], &assigned, &mut associated),
             };
             associated
                 .shown
@@ -104,8 +102,7 @@ impl Evidence<'_> {
     }
 
     /// The assigned object, if no other one would do as well, and the box does not say that it is another one: of
-    /// things that stand behind each other, the points of the nearer fill the box of the farther. Objects that overlap
-    /// are no alternatives: they will be merged.
+    /// things that stand behind each other, the points of the nearer fill the box of the farther.
     fn clear(
         &self,
         (costs, fits): (&Costs, &[Fits]),
@@ -116,35 +113,43 @@ impl Evidence<'_> {
         let in_image = &fits[at].in_image;
         let share = in_image.get(&object).copied().unwrap_or(1.0);
         let is_better = |other: &&usize| in_image[other] > share + BETTER_OVERLAP;
-        let by_box = in_image.keys().find(is_better).copied();
+        let by_box = in_image.keys().filter(is_better).copied();
         let limits = (gate.new_object_cost, gate.ambiguity);
-        let other = by_box.or_else(|| rival(costs, assigned, at, limits));
-        match other {
-            Some(other) if !self.are_in_one_place(object, other) => Decision::Wait,
-            _ => Decision::Object(object),
-        }
+        let mut others = by_box.chain(rivals(costs, assigned, at, limits));
+        let is_unclear = others.any(|other| self.is_alternative(object, other));
+        if is_unclear { Decision::Wait } else { Decision::Object(object) }
     }
 
-    /// What fits no object is new, unless there is an object in its place. One that another box of this image shows is
-    /// none, but for where they overlap much: then one of the two is wrong, and it takes several images to believe that
-    /// one object is two.
+    /// Whether a measurement of one object has to wait because it may be the other's. Objects that overlap are none of
+    /// each other: they will be merged. Nor is what does not count and never had a box beside it: that may well be the
+    /// same thing, begun a second time, and if boxes waited for it neither would ever count.
+    fn is_alternative(&self, object: usize, other: usize) -> bool {
+        let (object, other) = (&self.objects[object], &self.objects[other]);
+        let is_known = other.counts() || object.company.beside.contains_key(&other.id);
+        is_known && overlap(object.estimate(), other.estimate()).0 <= SAME_PLACE
+    }
+
+    /// What fits no object is new, unless there is an object in its place. One that was contradicted more often than it
+    /// was measured before it came to count is none: it began with a wrong measurement. One that another box of this
+    /// image shows is none, but for where they overlap much: then one of the two is wrong, and it takes several images
+    /// to believe that one object is two.
     fn new_or_wait(
         &self,
         fits: &Fits,
         assigned: &[Option<usize>],
-        crowded: &mut Vec<usize>,
+        associated: &mut Associated,
     ) -> Decision {
         let is_taken = |object: &usize| assigned.contains(&Some(*object));
         let taken = fits.explaining.iter().find(|(o, share)| is_taken(o) && **share > SAME_PLACE);
-        crowded.extend(taken.map(|(object, _)| *object));
-        let may_be_two = |object: &usize| self.objects[*object].crowded >= BELIEVED_TWO;
-        let is_waiting = taken.is_some_and(|(object, _)| !may_be_two(object))
-            || fits.explaining.keys().any(|object| !is_taken(object));
+        associated.crowded.extend(taken.map(|(object, _)| *object));
+        let blocking: Vec<usize> = (fits.explaining.keys().copied())
+            .filter(|object| !is_taken(object) && !self.objects[*object].is_discredited())
+            .collect();
+        let may_be_two = |object: &usize| self.objects[*object].company.may_be_two();
+        let is_waiting =
+            taken.is_some_and(|(object, _)| !may_be_two(object)) || !blocking.is_empty();
+        associated.contradicted.extend(blocking);
         if is_waiting { Decision::Wait } else { Decision::New }
-    }
-
-    fn are_in_one_place(&self, a: usize, b: usize) -> bool {
-        overlap(self.objects[a].estimate(), self.objects[b].estimate()).0 > SAME_PLACE
     }
 
     fn prospects(&self, index: &ObjectIndex) -> BTreeMap<usize, Prospect> {
@@ -296,5 +301,3 @@ const TENTATIVE_COST: f64 = 0.5;
 const SAME_BOX: f64 = 0.6;
 /// The box says that it is another object where it overlaps that one's by so much more.
 const BETTER_OVERLAP: f64 = 0.2;
-/// Images with a second box in an object before that is believed.
-const BELIEVED_TWO: u32 = 3;

@@ -59,13 +59,19 @@ impl ObjectMap {
         seen.sort_unstable();
         seen.dedup();
         self.count_neighbours(&seen);
-        associated.crowded.iter().for_each(|at| self.objects[*at].crowded += 1);
+        for at in &seen {
+            self.objects[*at].company.see(associated.crowded.contains(at));
+        }
+        for at in &associated.contradicted {
+            self.objects[*at].company.contradicted += 1;
+        }
         self.weigh(associated, &seen, is_new_view);
         let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
         let mut changes = Vec::new();
         self.settle(sighting.stamp, &mut changes);
         if self.settings.association == Association::Automatic {
-            self.split_and_merge(&seen, &mut changes);
+            self.merge_duplicates(&seen, &mut changes);
+            self.split_fresh(&mut changes);
             self.find_moved(sighting, &mut changes);
         }
         changes
@@ -77,7 +83,7 @@ impl ObjectMap {
             let apart = self.objects[a].estimate().center() - self.objects[b].estimate().center();
             if a != b && apart.norm() < NEIGHBOUR_M {
                 let other = self.objects[b].id;
-                *self.objects[a].beside.entry(other).or_default() += 1;
+                *self.objects[a].company.beside.entry(other).or_default() += 1;
             }
         }
     }
@@ -131,9 +137,9 @@ impl ObjectMap {
         }
     }
 
-    /// Looks at what was just seen and what stands in the same place.
-    fn split_and_merge(&mut self, seen: &[ObjectId], changes: &mut Vec<ObjectChange>) {
-        for id in seen {
+    /// Merges each of these with what is the same thing.
+    fn merge_duplicates(&mut self, ids: &[ObjectId], changes: &mut Vec<ObjectChange>) {
+        for id in ids {
             let Some(at) = self.position(*id) else { continue };
             let other = (0..self.objects.len()).find(|other| self.are_one(at, *other));
             if let Some(other) = other {
@@ -147,6 +153,10 @@ impl ObjectMap {
                 }
             }
         }
+    }
+
+    /// Gives what has come to count the measurements that its neighbours had of it.
+    fn split_fresh(&mut self, changes: &mut Vec<ObjectChange>) {
         let fresh: Vec<ObjectId> = changes
             .iter()
             .filter_map(|c| match c {
@@ -156,7 +166,8 @@ impl ObjectMap {
             .collect();
         for into in fresh {
             let Some(at) = self.position(into) else { continue };
-            let neighbours: Vec<ObjectId> = self.objects[at].beside.keys().copied().collect();
+            let neighbours: Vec<ObjectId> =
+                self.objects[at].company.beside.keys().copied().collect();
             for from in neighbours {
                 if self.split(from, into).is_ok_and(|moved| moved > 0) {
                     changes.push(ObjectChange::Split { from, into });
@@ -173,7 +184,7 @@ impl ObjectMap {
         if a.id == b.id || (a.estimate().center() - b.estimate().center()).norm() > reach {
             return false;
         }
-        let beside = a.beside.get(&b.id).copied().unwrap_or(0);
+        let beside = a.company.beside.get(&b.id).copied().unwrap_or(0);
         if f64::from(beside) > MAX_BESIDE * f64::from(a.observations.min(b.observations)) {
             return false;
         }

@@ -2,6 +2,7 @@
 
 mod assignment;
 mod association;
+mod company;
 mod continuation;
 mod existence;
 mod gate;

@@ -3,6 +3,7 @@
 use super::{
     BoxOutline, MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings,
     Weighting,
+    company::Company,
     existence::Existence,
     odometry::Place,
     ties::{Tie, TieFactor},
@@ -65,10 +66,7 @@ pub struct MapObject {
     pub(super) glimpsed: bool,
     /// Whether it is known where it is.
     pub(super) placed: bool,
-    /// How often it had a box beside one of these others: they are not the same.
-    pub(super) beside: BTreeMap<ObjectId, u32>,
-    /// In how many images a second box was in its place.
-    pub(super) crowded: u32,
+    pub(super) company: Company,
 }
 
 impl MapObject {
@@ -98,8 +96,7 @@ impl MapObject {
             existence: Existence::default(),
             glimpsed: first.measured.as_ref().is_some_and(|measured| measured.is_glimpse),
             placed: false,
-            beside: BTreeMap::new(),
-            crowded: 0,
+            company: Company::default(),
         }
     }
 
@@ -140,8 +137,7 @@ impl MapObject {
             existence: Existence::remembered(saved.existence),
             glimpsed: false,
             placed: true,
-            crowded: 0,
-            beside: BTreeMap::new(),
+            company: Company::default(),
         })
     }
 
@@ -206,6 +202,11 @@ impl MapObject {
     /// Whether it was seen often enough to be an object of the map.
     pub(super) fn counts(&self) -> bool {
         self.existence.state != ObjectState::Tentative
+    }
+
+    /// Whether more boxes in its place speak against it than for it, before it counts.
+    pub(super) fn is_discredited(&self) -> bool {
+        !self.counts() && self.company.contradicted > self.observations
     }
 
     pub(super) fn belief(&self) -> &BTreeMap<String, f64> {

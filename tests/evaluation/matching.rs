@@ -90,6 +90,23 @@ fn a_map_is_scored() {
 }
 
 #[test]
+fn what_stands_beside_a_thing_of_another_class_is_not_that_thing() {
+    // Somebody looked too seldom at the book for it to count, and the cup's estimate is nearer to it than to the cup.
+    let book = TrueObject { label: "book".into(), ..true_object(2, 0.3, 2) };
+    let objects = vec![true_object(1, 0.0, 10), book.clone()];
+    let truth = GroundTruth { frame_id: "map".into(), objects };
+    let cup = estimated(10, "cup", 0.2);
+    let scores = evaluate(std::slice::from_ref(&cup), &truth);
+    assert_eq!((scores.recall, scores.precision), (Some(1.0), Some(1.0)));
+    // What has no partner of its class takes what is left.
+    let scores = evaluate(&[cup, estimated(11, "laptop", 0.1)], &truth);
+    assert_eq!((scores.true_objects, scores.map_objects), (1, 1));
+    let truth = GroundTruth { frame_id: "map".into(), objects: vec![book] };
+    let scores = evaluate(&[estimated(10, "cup", 0.2)], &truth);
+    assert_eq!((scores.true_objects, scores.map_objects), (0, 0), "neither right nor wrong");
+}
+
+#[test]
 fn an_empty_map_has_no_precision_and_no_means() {
     let truth = GroundTruth { frame_id: "map".into(), objects: vec![true_object(1, 0.0, 9)] };
     let scores = evaluate(&[], &truth);

@@ -18,6 +18,7 @@ pub(super) enum Metric {
     Within90,
     AteM,
     OdometryAteM,
+    AteShare,
 }
 
 impl Metric {
@@ -36,6 +37,7 @@ impl Metric {
             Self::Within90 => "in 90 % region",
             Self::AteM => "ATE (m)",
             Self::OdometryAteM => "odometry's ATE (m)",
+            Self::AteShare => "ATE of odometry's",
         }
     }
 
@@ -43,7 +45,7 @@ impl Metric {
     pub(super) fn decimals(self) -> usize {
         match self {
             Self::RotationDeg | Self::Duplicates | Self::IdSwitchesPer200 => 1,
-            Self::Recall | Self::Precision | Self::Within90 => 2,
+            Self::Recall | Self::Precision | Self::Within90 | Self::AteShare => 2,
             _ => 3,
         }
     }

@@ -17,7 +17,8 @@ use crate::{
         StampedTransform,
     },
     sim::{
-        OdometryReading, SceneKind, SimulatedFrame, Simulation, SimulationSettings, TrajectoryKind,
+        OdometryReading, OdometrySettings, SceneKind, SimulatedFrame, Simulation,
+        SimulationSettings, TrajectoryKind,
     },
     time::Stamp,
 };
@@ -32,6 +33,31 @@ pub(super) struct Sequence {
     pub(super) name: &'static str,
     scene: SceneKind,
     trajectory: TrajectoryKind,
+    drift: Drift,
+}
+
+/// How odometry drifts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Drift {
+    /// As that of `simulate`.
+    Usual,
+    /// Mostly in heading: wheels that slip in turns, without a gyroscope.
+    Heading,
+}
+
+impl Drift {
+    fn settings(self) -> OdometrySettings {
+        match self {
+            Self::Usual => OdometrySettings::default(),
+            Self::Heading => OdometrySettings {
+                scale_noise_m_per_root_m: 0.005,
+                slip_noise_m_per_root_m: 0.003,
+                yaw_noise_rad_per_root_m: 0.03,
+                yaw_noise_rad_per_root_rad: 0.03,
+                ..OdometrySettings::default()
+            },
+        }
+    }
 }
 
 pub(super) const DESK_ORBIT: Sequence = Sequence {
@@ -39,24 +65,28 @@ pub(super) const DESK_ORBIT: Sequence = Sequence {
     name: "desk, orbit",
     scene: SceneKind::Desk,
     trajectory: TrajectoryKind::Orbit,
+    drift: Drift::Usual,
 };
 pub(super) const DESK_FORWARD: Sequence = Sequence {
     key: "desk-forward",
     name: "desk, forward",
     scene: SceneKind::Desk,
     trajectory: TrajectoryKind::Forward,
+    drift: Drift::Usual,
 };
 pub(super) const HOME_ORBIT: Sequence = Sequence {
     key: "home-orbit",
     name: "home, orbit",
     scene: SceneKind::Home,
     trajectory: TrajectoryKind::Orbit,
+    drift: Drift::Usual,
 };
 pub(super) const HOME_FORWARD: Sequence = Sequence {
     key: "home-forward",
     name: "home, forward",
     scene: SceneKind::Home,
     trajectory: TrajectoryKind::Forward,
+    drift: Drift::Usual,
 };
 
 pub(super) const OFFICE_FORWARD: Sequence = Sequence {
@@ -64,18 +94,35 @@ pub(super) const OFFICE_FORWARD: Sequence = Sequence {
     name: "office, forward",
     scene: SceneKind::Office,
     trajectory: TrajectoryKind::Forward,
+    drift: Drift::Usual,
 };
 pub(super) const CROWDED_ORBIT: Sequence = Sequence {
     key: "crowded-orbit",
     name: "crowded, orbit",
     scene: SceneKind::Crowded,
     trajectory: TrajectoryKind::Orbit,
+    drift: Drift::Usual,
 };
 pub(super) const CROWDED_FORWARD: Sequence = Sequence {
     key: "crowded-forward",
     name: "crowded, forward",
     scene: SceneKind::Crowded,
     trajectory: TrajectoryKind::Forward,
+    drift: Drift::Usual,
+};
+pub(super) const HOME_LOOP: Sequence = Sequence {
+    key: "home-loop",
+    name: "home, loop",
+    scene: SceneKind::Home,
+    trajectory: TrajectoryKind::Loop,
+    drift: Drift::Heading,
+};
+pub(super) const OFFICE_LOOP: Sequence = Sequence {
+    key: "office-loop",
+    name: "office, loop",
+    scene: SceneKind::Office,
+    trajectory: TrajectoryKind::Loop,
+    drift: Drift::Heading,
 };
 
 /// The sequence of a key.
@@ -111,6 +158,7 @@ impl Sequence {
             trajectory: self.trajectory,
             seed,
             frames: frames.unwrap_or(0),
+            odometry: self.drift.settings(),
             ..SimulationSettings::default()
         })?;
         let mut truth = simulation.ground_truth();

@@ -2,7 +2,7 @@
 
 use super::{
     metric::Metric,
-    protocol::Protocol,
+    protocol::{Poses, Protocol},
     row::{Output, Row},
     sequence::Rendered,
 };
@@ -141,13 +141,16 @@ impl Record {
         };
         let optimised: Vec<_> =
             self.poses.iter().map(|pose| (pose.stamp, slam.map_from_base(pose))).collect();
+        let (own, raw) = (ate(&optimised), ate(&rendered.odometry_poses(&self.protocol)));
+        let drifts = raw.filter(|_| self.protocol.poses == Poses::Drifting);
         trial.add([
             (Metric::Precision, scores.precision),
             (Metric::Duplicates, Some(scores.duplicates as f64)),
             (Metric::IdSwitchesPer200, IdSwitches::count(self.joined.iter().copied()).per_200()),
             (Metric::Within90, scores.calibration.within_90),
-            (Metric::AteM, ate(&optimised)),
-            (Metric::OdometryAteM, ate(&rendered.odometry_poses(&self.protocol))),
+            (Metric::AteM, own),
+            (Metric::OdometryAteM, raw),
+            (Metric::AteShare, own.zip(drifts).map(|(own, raw)| own / raw)),
         ]);
         if self.protocol.association == Association::Given {
             trial.curve = self.curve();

@@ -18,6 +18,38 @@ pub(super) struct Proposals {
 pub(super) struct Candidate {
     pub(super) known: usize,
     pub(super) evidence: f64,
+    /// Where it is in the map (m).
+    pub(super) x: f64,
+}
+
+/// The candidates of one seen object.
+pub(super) struct Candidates {
+    by_x: Vec<Candidate>,
+    /// The most that one of them has.
+    evidence: f64,
+}
+
+impl Candidates {
+    pub(super) fn new(mut by_x: Vec<Candidate>) -> Self {
+        by_x.sort_by(|a, b| a.x.total_cmp(&b.x));
+        let evidence = by_x.iter().map(|c| c.evidence).fold(f64::MIN, f64::max);
+        Self { by_x, evidence }
+    }
+
+    /// Those within `reach` of an x in the map (m).
+    pub(super) fn near(&self, x: f64, reach: f64) -> &[Candidate] {
+        let from = self.by_x.partition_point(|c| c.x < x - reach);
+        let count = self.by_x[from..].partition_point(|c| c.x <= x + reach);
+        &self.by_x[from..from + count]
+    }
+
+    /// How far off one of them still speaks for a place (m), when no variance of its distance is larger than this (m^2).
+    ///
+    /// It does where `d^2 < 2 v (e - ln(2 pi v))`, which rises with the variance up to `v = exp(e - 1) / 2 pi`.
+    fn reach(&self, largest_variance: f64) -> f64 {
+        let variance = largest_variance.min((self.evidence - 1.0).exp() / TAU);
+        (2.0 * variance * (self.evidence - (TAU * variance).ln())).max(0.0).sqrt()
+    }
 }
 
 /// Exact but for the bound: any place that explains two of the objects looked at is proposed by these two.
@@ -27,25 +59,29 @@ pub(super) struct Candidate {
 pub(super) fn proposals(
     seen: &[Body],
     map: &Constellation,
-    candidates: &[Vec<Candidate>],
+    candidates: &[Candidates],
 ) -> Proposals {
-    let mut rarest: Vec<usize> = (0..seen.len()).filter(|l| !candidates[*l].is_empty()).collect();
-    rarest.sort_by_key(|l| (candidates[*l].len(), *l));
+    let mut rarest: Vec<usize> =
+        (0..seen.len()).filter(|l| !candidates[*l].by_x.is_empty()).collect();
+    rarest.sort_by_key(|l| (candidates[*l].by_x.len(), *l));
     let reach = Reach::of(seen);
     let mut cells: BTreeMap<[i64; 4], (f64, Placement)> = BTreeMap::new();
     let (mut budget, mut whole) = (MAX_COMPARED, rarest.len());
     for (j, second) in rarest.iter().enumerate() {
-        let cost: usize = rarest[..j]
-            .iter()
-            .map(|first| candidates[*first].len() * candidates[*second].len())
-            .sum();
+        let compared = |first: &usize| -> usize {
+            let pair = Pair::new((*first, *second), seen, map);
+            let of_first = candidates[*first].by_x.iter();
+            of_first.map(|from| candidates[*second].near(from.x, pair.reach).len()).sum()
+        };
+        let cost: usize = rarest[..j].iter().map(compared).sum();
         if cost > budget {
             whole = j;
             break;
         }
         budget -= cost;
         for first in &rarest[..j] {
-            for placement in placements((*first, *second), seen, map, candidates) {
+            let pair = Pair::new((*first, *second), seen, map);
+            for placement in pair.placements(map, &candidates[*first], &candidates[*second]) {
                 let score = placement.quick_score(seen, map, candidates);
                 let cell = reach.cell(&placement.placement);
                 let entry = cells.entry(cell).or_insert((score, placement.placement));
@@ -84,6 +120,15 @@ impl Reach {
     }
 }
 
+/// Two seen objects.
+struct Pair<'a> {
+    bodies: [&'a Body; 2],
+    /// From one to the other (m).
+    step: Vector3<f64>,
+    /// What two of the map can be apart on the ground at most (m).
+    reach: f64,
+}
+
 /// A place as a pair says it.
 struct ByPair {
     placement: Placement,
@@ -95,60 +140,66 @@ struct ByPair {
     yaw_variance: f64,
 }
 
-/// All places that put two seen objects onto two of the map.
-fn placements(
-    (first, second): (usize, usize),
-    seen: &[Body],
-    map: &Constellation,
-    candidates: &[Vec<Candidate>],
-) -> Vec<ByPair> {
-    let (a, b) = (&seen[first], &seen[second]);
-    let step = b.center - a.center;
-    let length = step.xy().norm();
-    let mut found = Vec::new();
-    for from in &candidates[first] {
-        for to in candidates[second].iter().filter(|to| to.known != from.known) {
-            let (c, d) = (&map.bodies[from.known], &map.bodies[to.known]);
-            let known = d.center - c.center;
-            let known_length = known.xy().norm();
-            let sum = |of: fn(&Body) -> f64| [a, b, c, d].iter().map(|body| of(body)).sum::<f64>();
-            let across = sum(Body::horizontal_variance);
-            let upright = sum(|body| body.spread[(2, 2)]);
-            if (length - known_length).abs() > GATE * across.sqrt()
-                || (step.z - known.z).abs() > GATE * upright.sqrt()
-            {
-                continue;
-            }
-            // So near to each other that they do not say a heading.
-            let baseline = 0.5 * (length + known_length);
-            if baseline < MIN_BASELINE_IN_SIGMAS * across.sqrt() {
-                continue;
-            }
-            let yaw = known.y.atan2(known.x) - step.y.atan2(step.x);
-            let turned = Placement { yaw, shift: Vector3::zeros() };
-            let middle = 0.5 * (a.center + b.center);
-            let shift = 0.5 * (c.center + d.center) - turned.place(&middle);
-            found.push(ByPair {
-                placement: Placement { yaw, shift },
-                middle,
-                shift_variance: 0.25 * across,
-                yaw_variance: across / (baseline * baseline),
-            });
-        }
+impl<'a> Pair<'a> {
+    fn new((first, second): (usize, usize), seen: &'a [Body], map: &Constellation) -> Self {
+        let bodies = [&seen[first], &seen[second]];
+        let step = bodies[1].center - bodies[0].center;
+        let own: f64 = bodies.iter().map(|body| body.horizontal_variance()).sum();
+        let most = own + 2.0 * map.largest_variance;
+        Self { bodies, step, reach: step.xy().norm() + GATE * most.sqrt() }
     }
-    found
+
+    /// All places that put the two onto two of the map.
+    fn placements(
+        &self,
+        map: &Constellation,
+        firsts: &Candidates,
+        seconds: &Candidates,
+    ) -> Vec<ByPair> {
+        let onto = firsts.by_x.iter().flat_map(|from| {
+            let others = seconds.near(from.x, self.reach).iter();
+            others.filter(|to| to.known != from.known).map(move |to| (from.known, to.known))
+        });
+        onto.filter_map(|(from, to)| self.onto([&map.bodies[from], &map.bodies[to]])).collect()
+    }
+
+    /// The place that puts the two onto these two of the map, if they can be the same.
+    fn onto(&self, known: [&Body; 2]) -> Option<ByPair> {
+        let ([a, b], [c, d]) = (self.bodies, known);
+        let apart = d.center - c.center;
+        let (length, known_length) = (self.step.xy().norm(), apart.xy().norm());
+        let sum = |of: fn(&Body) -> f64| [a, b, c, d].into_iter().map(of).sum::<f64>();
+        let across = sum(Body::horizontal_variance);
+        let upright = sum(|body| body.spread[(2, 2)]);
+        if (length - known_length).abs() > GATE * across.sqrt()
+            || (self.step.z - apart.z).abs() > GATE * upright.sqrt()
+        {
+            return None;
+        }
+        // So near to each other that they do not say a heading.
+        let baseline = 0.5 * (length + known_length);
+        if baseline < MIN_BASELINE_IN_SIGMAS * across.sqrt() {
+            return None;
+        }
+        let yaw = apart.y.atan2(apart.x) - self.step.y.atan2(self.step.x);
+        let turned = Placement { yaw, shift: Vector3::zeros() };
+        let middle = 0.5 * (a.center + b.center);
+        let shift = 0.5 * (c.center + d.center) - turned.place(&middle);
+        Some(ByPair {
+            placement: Placement { yaw, shift },
+            middle,
+            shift_variance: 0.25 * across,
+            yaw_variance: across / (baseline * baseline),
+        })
+    }
 }
 
 impl ByPair {
     /// About how much the seen objects speak for it: without headings, and with objects of the map used twice.
-    fn quick_score(
-        &self,
-        seen: &[Body],
-        map: &Constellation,
-        candidates: &[Vec<Candidate>],
-    ) -> f64 {
-        let of_seen = |(body, candidates): (&Body, &Vec<Candidate>)| {
-            let at = self.placement.place(&body.center);
+    fn quick_score(&self, seen: &[Body], map: &Constellation, candidates: &[Candidates]) -> f64 {
+        let rotation = self.placement.rotation();
+        let of_seen = |(body, candidates): (&Body, &Candidates)| {
+            let at = rotation * body.center + self.placement.shift;
             let lever = (body.center - self.middle).xy().norm_squared();
             let own = body.horizontal_variance() + self.shift_variance + self.yaw_variance * lever;
             let of_candidate = |candidate: &Candidate| {
@@ -157,7 +208,8 @@ impl ByPair {
                 let apart = (known.center - at).xy().norm_squared();
                 candidate.evidence - 0.5 * apart / variance - (TAU * variance).ln()
             };
-            candidates.iter().map(of_candidate).fold(0.0, f64::max)
+            let reach = candidates.reach(own + map.largest_variance);
+            candidates.near(at.x, reach).iter().map(of_candidate).fold(0.0, f64::max)
         };
         seen.iter().zip(candidates).map(of_seen).sum()
     }

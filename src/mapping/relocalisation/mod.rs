@@ -14,7 +14,7 @@ mod place;
 pub use landmark::Landmark;
 
 use crate::geometry::Pose;
-use hypotheses::{Candidate, proposals};
+use hypotheses::{Candidate, Candidates, proposals};
 use landmark::{Body, Placement, likeness_of_size};
 use nalgebra::Matrix4;
 use place::Place;
@@ -137,6 +137,8 @@ pub struct Constellation {
     counts: BTreeMap<String, f64>,
     /// Ground that the map covers (m^2).
     area: f64,
+    /// The largest mean horizontal variance of a centre (m^2).
+    largest_variance: f64,
     settings: RelocalisationSettings,
 }
 
@@ -155,7 +157,9 @@ impl Constellation {
         };
         let area = extent(0) * extent(1);
         let labels = landmarks.iter().map(|l| l.labels.clone()).collect();
-        Self { bodies, labels, counts, area, settings }
+        let variances = bodies.iter().map(Body::horizontal_variance);
+        let largest_variance = variances.fold(0.0, f64::max);
+        Self { bodies, labels, counts, area, largest_variance, settings }
     }
 
     /// Finds the place of the seen objects.
@@ -171,7 +175,7 @@ impl Constellation {
             return Err(NotRelocalised::TooFewObjects { seen: seen.len(), needed: MIN_OBJECTS });
         }
         let bodies: Vec<Body> = seen.iter().map(|l| Body::new(l, &self.settings)).collect();
-        let candidates: Vec<Vec<Candidate>> =
+        let candidates: Vec<Candidates> =
             seen.iter().zip(&bodies).map(|(l, body)| self.candidates(l, body)).collect();
         let proposed = proposals(&bodies, self, &candidates);
         let mut places: Vec<Place> = Vec::new();
@@ -191,7 +195,7 @@ impl Constellation {
     }
 
     /// Objects of the map that have a label in common with a seen one, and a size that could be the same.
-    fn candidates(&self, seen: &Landmark, body: &Body) -> Vec<Candidate> {
+    fn candidates(&self, seen: &Landmark, body: &Body) -> Candidates {
         let of_known = |(known, labels): (usize, &BTreeMap<String, f64>)| {
             let common = seen.labels.iter().filter_map(|(label, p)| {
                 Some(p * labels.get(label)? * self.area / self.counts.get(label)?)
@@ -202,9 +206,10 @@ impl Constellation {
                 .into_iter()
                 .fold(f64::MIN, f64::max);
             let evidence = odds.ln();
-            (odds > 0.0 && size > MIN_LIKENESS).then_some(Candidate { known, evidence })
+            let x = self.bodies[known].center.x;
+            (odds > 0.0 && size > MIN_LIKENESS).then_some(Candidate { known, evidence, x })
         };
-        self.labels.iter().enumerate().filter_map(of_known).collect()
+        Candidates::new(self.labels.iter().enumerate().filter_map(of_known).collect())
     }
 
     /// Whether the best place is beyond doubt, with whichever object left out.

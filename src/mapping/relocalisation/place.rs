@@ -2,7 +2,7 @@
 
 use super::{
     Constellation, ExpectedPlace,
-    hypotheses::Candidate,
+    hypotheses::Candidates,
     landmark::{Body, Comparison, Placement, wrapped},
 };
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector3, Vector4};
@@ -34,7 +34,7 @@ impl Place {
         start: &Placement,
         seen: &[Body],
         map: &Constellation,
-        candidates: &[Vec<Candidate>],
+        candidates: &[Candidates],
         expected: Option<&ExpectedPlace>,
     ) -> Option<Self> {
         let mut placement = *start;
@@ -130,14 +130,16 @@ fn assigned(
     placement: &Placement,
     seen: &[Body],
     map: &Constellation,
-    candidates: &[Vec<Candidate>],
+    candidates: &[Candidates],
     doubt_m: f64,
 ) -> Vec<(Match, f64)> {
     let mut pairs = Vec::new();
     for (s, body) in seen.iter().enumerate() {
-        for candidate in &candidates[s] {
+        let at = placement.place(&body.center);
+        let most = map.largest_variance + body.horizontal_variance() + doubt_m * doubt_m;
+        for candidate in candidates[s].near(at.x, MAX_SIGMAS * (2.0 * most).sqrt()) {
             let known = &map.bodies[candidate.known];
-            let reach = (known.center - placement.place(&body.center)).xy().norm_squared();
+            let reach = (known.center - at).xy().norm_squared();
             let variance = known.horizontal_variance() + body.horizontal_variance();
             if reach > MAX_SIGMAS * MAX_SIGMAS * 2.0 * (variance + doubt_m * doubt_m) {
                 continue;

@@ -2,7 +2,8 @@ use super::{independent, map_of, observation, observe, only, slam_settings};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Plane, Pose},
     mapping::{
-        Association, MappingSettings, ObjectId, ObjectMap, ObjectState, Observation, Sighting,
+        Association, MappingSettings, ObjectChange, ObjectId, ObjectMap, ObjectState, Observation,
+        Sighting,
     },
     time::Stamp,
 };
@@ -52,17 +53,102 @@ fn between_two_objects_that_fit_alike_none_is_guessed() {
         observe(&mut map, f64::from(second), vec![chair(0.0, 0.0), chair(0.7, 0.0)]);
     }
     // As unsure as half a metre: it may be either.
-    let unsure = |x: f64| {
-        let mut seen = chair(x, 0.0);
-        let measured = seen.measured.as_mut().unwrap();
-        measured.covariance = independent(&measured.ellipsoid, 0.05, 0.5, 0.02);
-        seen
-    };
-    assert_eq!(observe(&mut map, 3.0, vec![unsure(0.35)]), [None]);
+    assert_eq!(observe(&mut map, 3.0, vec![unsure(0.35, 0.5)]), [None]);
     assert_eq!(map.all().iter().map(|o| o.observations).collect::<Vec<_>>(), [3, 3]);
     // Both together are clear: each is one of them.
-    let both = observe(&mut map, 4.0, vec![unsure(0.1), chair(0.7, 0.0)]);
+    let both = observe(&mut map, 4.0, vec![unsure(0.1, 0.5), chair(0.7, 0.0)]);
     assert_eq!(both, [Some(ObjectId(1)), Some(ObjectId(2))]);
+}
+
+/// Known only to so much (m).
+fn unsure(x: f64, sigma: f64) -> Observation {
+    let mut seen = chair(x, 0.0);
+    let measured = seen.measured.as_mut().unwrap();
+    measured.covariance = independent(&measured.ellipsoid, 0.05, sigma, 0.02);
+    seen
+}
+
+#[test]
+fn a_bad_beginning_does_not_keep_its_place_for_ever() {
+    let mut map = empty();
+    observe(&mut map, 0.0, vec![chair(0.0, 0.0)]);
+    // Too much of it is where the object is to be another one, and it is too far off to be that one.
+    let found: Vec<bool> = (1..8)
+        .map(|second| observe(&mut map, f64::from(second), vec![chair(0.4, 0.0)])[0].is_some())
+        .collect();
+    assert_eq!(found, [false, false, true, true, true, true, true]);
+    let confirmed: Vec<f64> = map.confirmed().map(|o| o.ellipsoid().center().x).collect();
+    assert_eq!(confirmed.len(), 1);
+    assert!((confirmed[0] - 0.4).abs() < 0.02, "{confirmed:?}");
+}
+
+#[test]
+fn what_counts_keeps_its_place_however_often_a_box_does_not_fit() {
+    let mut map = empty();
+    (0..5).for_each(|second| drop(observe(&mut map, f64::from(second), vec![chair(0.0, 0.0)])));
+    for second in 5..15 {
+        assert_eq!(observe(&mut map, f64::from(second), vec![chair(0.4, 0.0)]), [None]);
+    }
+}
+
+#[test]
+fn a_second_box_now_and_then_does_not_make_two_of_one() {
+    let mut map = empty();
+    (0..3).for_each(|second| drop(observe(&mut map, f64::from(second), vec![chair(0.0, 0.0)])));
+    for second in 3..20 {
+        // The box of a chair behind it is filled by its points.
+        let behind = (second % 2 == 0).then(|| chair(0.12, 0.0));
+        let boxes = [chair(0.0, 0.0)].into_iter().chain(behind).collect();
+        let found = observe(&mut map, f64::from(second), boxes);
+        assert!(
+            found[0] == Some(ObjectId(1)) && found[1..].iter().all(Option::is_none),
+            "{found:?}"
+        );
+    }
+    // In every image: then it is one.
+    for second in 20..24 {
+        observe(&mut map, f64::from(second), vec![chair(0.0, 0.0), chair(0.12, 0.0)]);
+    }
+    assert_eq!(map.all().len(), 2);
+}
+
+#[test]
+fn what_has_come_into_one_place_is_merged_unless_both_were_seen_at_once() {
+    for together in [false, true] {
+        let mut map = empty();
+        if together {
+            observe(&mut map, 0.0, vec![chair(0.0, 0.0), unsure(0.7, 0.15)]);
+        } else {
+            observe(&mut map, 0.0, vec![chair(0.0, 0.0)]);
+            observe(&mut map, 1.0, vec![unsure(0.7, 0.15)]);
+        }
+        assert_eq!(map.all().len(), 2);
+        // The second one is much nearer to the first than it seemed.
+        observe(&mut map, 2.0, vec![chair(0.3, 0.0)]);
+        let seen: Vec<u32> = map.all().iter().map(|object| object.observations).collect();
+        assert_eq!(seen, if together { vec![1, 2] } else { vec![3] });
+    }
+}
+
+#[test]
+fn what_comes_to_count_gets_the_measurements_that_its_neighbour_had_of_it() {
+    let mut map = empty();
+    (0..3).for_each(|second| drop(observe(&mut map, f64::from(second), vec![chair(0.0, 0.0)])));
+    assert_eq!(observe(&mut map, 3.0, vec![unsure(0.7, 0.3)]), [Some(ObjectId(1))]);
+    let mut changes = Vec::new();
+    for second in 4..10 {
+        let sighted = map.observe(&Sighting {
+            stamp: Stamp::from_secs(f64::from(second)),
+            odom_from_base: Pose::identity(),
+            odometry_covariance: None,
+            observations: vec![chair(0.0, 0.0), chair(0.7, 0.0)],
+            view: None,
+        });
+        assert_eq!(sighted.objects, [Some(ObjectId(1)), Some(ObjectId(2))]);
+        changes.extend(sighted.changes);
+    }
+    let split = ObjectChange::Split { from: ObjectId(1), into: ObjectId(2) };
+    assert_eq!(changes.iter().filter(|change| **change == split).count(), 1, "{changes:?}");
 }
 
 #[test]

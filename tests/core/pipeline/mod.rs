@@ -3,6 +3,7 @@
 mod clocks;
 mod glimpses;
 mod missing;
+mod moved_chair;
 mod pairing;
 mod poses;
 mod random_orders;

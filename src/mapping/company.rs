@@ -1,0 +1,32 @@
+//! What boxes at an object's place say of whether it is one thing, and where it seems to be.
+
+use super::ObjectId;
+use std::collections::BTreeMap;
+
+/// Boxes besides an object's own.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Company {
+    /// How often it had a box beside one of these others: they are not the same.
+    pub(super) beside: BTreeMap<ObjectId, u32>,
+    /// In how many images a second box was in its place, less those in which there was none. One now and then is of what
+    /// stands behind it; two things that were taken for one have one each time.
+    crowded: u32,
+    /// How many boxes were in its place that do not fit it.
+    pub(super) contradicted: u32,
+}
+
+impl Company {
+    /// Counts an image that shows the object.
+    pub(super) fn see(&mut self, has_second_box: bool) {
+        self.crowded =
+            if has_second_box { self.crowded + 1 } else { self.crowded.saturating_sub(1) };
+    }
+
+    /// Whether it may be two things that were taken for one.
+    pub(super) fn may_be_two(&self) -> bool {
+        self.crowded >= BELIEVED_TWO
+    }
+}
+
+/// Images with a second box in an object before that is believed.
+const BELIEVED_TWO: u32 = 3;
