@@ -10,6 +10,7 @@ use super::{
     outputs::{Outputs, publisher},
     parameters::Live,
     participant::{DdsDomain, DomainError},
+    perceiver::{MOST_JOBS, Perceiver},
     problems::Problems,
     qos,
     same_name::SameName,
@@ -20,10 +21,14 @@ use super::{
 };
 use crate::{
     config::{NodeSettings, Parameters, RosArguments},
-    pipeline::ObjectSlam,
+    pipeline::{FrontEnd, ObjectSlam},
 };
 use ros2_client::{Context, CreateError, Node, NodeOptions};
-use std::{io, sync::Arc, thread};
+use std::{
+    io,
+    sync::{Arc, mpsc},
+    thread,
+};
 use thiserror::Error;
 use tokio::{
     runtime,
@@ -123,6 +128,9 @@ impl Start<'_> {
         let (correction, corrected) = watch::channel(None);
         let color = ColorImages::default();
         let own = parameters.node.clone();
+        let (give, jobs) = mpsc::sync_channel(MOST_JOBS);
+        let front_end = FrontEnd::new(parameters.slam.clone());
+        let perceiver = Perceiver::new(front_end, Arc::clone(&inbox), give);
         let worker = Worker {
             slam: ObjectSlam::new(parameters.slam.clone()),
             parameters,
@@ -133,10 +141,9 @@ impl Start<'_> {
                 correction,
                 color.clone(),
             )?,
-            inbox: Arc::clone(&inbox),
+            jobs,
             status: status.clone(),
             files,
-            paused: false,
         };
         let tf = publisher(&mut self.node, &self.arguments.resolve("/tf"), qos::tf())?;
         self.tasks.spawn_local(broadcast(tf, corrected, status.clone(), live.watch()));
@@ -147,6 +154,7 @@ impl Start<'_> {
         }
         let listening = self.subscriptions(&own, &inbox, &status, color)?;
         self.diagnostics(listening, &inbox, &status)?;
+        thread::Builder::new().name("perception".into()).spawn(move || perceiver.run())?;
         let (ends, ended) = oneshot::channel();
         let worker = thread::Builder::new().name("slam".into()).spawn(move || {
             // Dropped when the worker ends, however it ends.
