@@ -2,14 +2,14 @@
 
 use super::{
     metric::Metric,
-    protocol::Protocol,
+    protocol::{Poses, Protocol},
     row::{Output, Row},
     sequence::Rendered,
 };
 use crate::{
     eval::{
-        EstimatedObject, GroundTruth, IdSwitches, MIN_OBSERVATIONS, ObjectError, ObjectScores,
-        TrueObject, evaluate, evaluate_identified, evaluate_trajectory,
+        Calibration, EstimatedObject, GroundTruth, IdSwitches, MIN_OBSERVATIONS, ObjectError,
+        ObjectScores, TrueObject, evaluate, evaluate_identified, evaluate_trajectory, pose_error,
     },
     geometry::{Ellipsoid, OrientedBox, Pose},
     mapping::{Association, MapObject, ObjectId},
@@ -146,6 +146,7 @@ impl Record {
             (Metric::Duplicates, Some(scores.duplicates as f64)),
             (Metric::IdSwitchesPer200, IdSwitches::count(self.joined.iter().copied()).per_200()),
             (Metric::Within90, scores.calibration.within_90),
+            (Metric::PoseWithin90, self.last_pose_within_90(slam, &truth)),
             (Metric::AteM, ate(&optimised)),
             (Metric::OdometryAteM, ate(&rendered.odometry_poses(&self.protocol))),
         ]);
@@ -153,6 +154,15 @@ impl Record {
             trial.curve = self.curve();
         }
         trial
+    }
+
+    /// 1 if the region that is claimed to hold the robot's last place and heading with 90 % does, 0 otherwise; nothing where
+    /// poses are given.
+    fn last_pose_within_90(&self, slam: &ObjectSlam, truth: &[(Stamp, Pose)]) -> Option<f64> {
+        let last = self.poses.last().filter(|_| self.protocol.poses != Poses::True)?;
+        let (_, true_pose) = truth.iter().find(|(stamp, _)| *stamp == last.stamp)?;
+        let error = pose_error(&slam.map_from_base(last), &slam.covariance(last)?, true_pose)?;
+        Calibration::new(&[error]).within_90
     }
 
     fn scores(&self, slam: &ObjectSlam) -> ObjectScores {
