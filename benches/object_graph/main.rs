@@ -1,6 +1,8 @@
 //! How long a keyframe takes in the object graph, beside GTSAM's iSAM2 on an equivalent graph:
 //! `cargo bench --bench object_graph -- --keyframes 10000`.
 //!
+//! Times are the processor's, of one thread each: other programs cost cache, but do not count.
+//!
 //! `--world building` or `--world lattice` takes one of the two, `--ours` leaves iSAM2 out, `--repeats` is the number of
 //! runs.
 #![expect(clippy::unwrap_used, reason = "a benchmark ends where something is not as it should be")]
@@ -16,7 +18,7 @@ use times::Run;
 use world::Keyframe;
 
 const DEFAULT_KEYFRAMES: usize = 2000;
-/// Both solvers do the same in each run. The least time of a keyframe counts, so that other programs do not.
+/// Both solvers do the same in each run. The least time of a keyframe counts.
 const DEFAULT_REPEATS: usize = 3;
 
 fn main() {

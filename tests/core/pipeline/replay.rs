@@ -114,3 +114,21 @@ fn a_front_end_that_runs_ahead_changes_nothing() {
     assert_eq!(total.keyframes.len(), 9);
     assert_eq!(text(&total, &slam), text(&together.total, &together.slam));
 }
+
+/// As after a reset of the node: calibrations and static transforms are said only once.
+#[test]
+fn a_front_end_serves_the_next_map_too() {
+    let passage = Passage::new();
+    let mut front_end = FrontEnd::new(Settings::default());
+    let mut of_half = |inputs: &[Input]| {
+        let mut slam = ObjectSlam::new(Settings::default());
+        let mut total = Update::default();
+        for input in inputs {
+            add(&mut total, &slam.join(front_end.take(input.clone(), &mut ()), &mut ()));
+        }
+        (total.keyframes.len(), total.dropped, slam.frames() == ("odom", "base_link"))
+    };
+    let (first, second) = passage.inputs.split_at(2 + 3 * 4);
+    assert_eq!(of_half(first), (4, Vec::new(), true));
+    assert_eq!(of_half(second), (5, Vec::new(), true));
+}
