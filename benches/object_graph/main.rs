@@ -3,12 +3,13 @@
 //!
 //! Times are the processor's, of one thread each: other programs cost cache, but do not count.
 //!
-//! `--world building` or `--world lattice` takes one of the two, `--ours` leaves iSAM2 out, `--repeats` is the number of
+//! `--world building`, `--world lattice` or `--world round` takes one of the three, `--ours` leaves iSAM2 out, `--repeats` is the number of
 //! runs.
 #![expect(clippy::unwrap_used, reason = "a benchmark ends where something is not as it should be")]
 
 #[path = "../../tests/command/environment.rs"]
 mod environment;
+mod closure;
 mod isam2;
 mod ours;
 mod times;
@@ -34,6 +35,9 @@ fn main() {
     let is_alone = arguments.iter().any(|a| a == "--ours");
     for (name, make) in WORLDS.iter().filter(|(name, _)| is_wanted(name)) {
         compare(name, &make(keyframes), repeats, is_alone);
+    }
+    if is_wanted("round") {
+        closure::close(keyframes);
     }
 }
 

@@ -42,19 +42,19 @@ pub(crate) fn drive(world: &[Keyframe], repeats: usize) -> (Run, String) {
     (run, format!("{}; {everything}", effort(&reports)))
 }
 
-struct Robot {
-    graph: Graph,
-    newest: Option<PoseId>,
+pub(crate) struct Robot {
+    pub(crate) graph: Graph,
+    pub(crate) newest: Option<PoseId>,
     objects: BTreeMap<usize, EllipsoidId>,
 }
 
 impl Robot {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let graph = Graph::new(SolverSettings::default());
         Self { graph, newest: None, objects: BTreeMap::new() }
     }
 
-    fn step(&mut self, keyframe: &Keyframe) -> UpdateReport {
+    pub(crate) fn step(&mut self, keyframe: &Keyframe) -> UpdateReport {
         let graph = &mut self.graph;
         let before = self.newest.map_or(Pose::identity(), |id| graph.pose(id));
         let initial = before * keyframe.step;
