@@ -84,6 +84,12 @@ fn observation(body: Ellipsoid, base_from_camera: Pose, camera: &Camera) -> Obse
         outline: Outline::Cuboid,
         rect: Rect::new(low.x, low.y, high.x, high.y),
         sides: ObservedBox { base_from_camera, sides: [None; 4] },
-        measured: Some(Measured { ellipsoid: body, covariance, probability: 0.8, support: None }),
+        measured: Some(Measured {
+            ellipsoid: body,
+            covariance,
+            probability: 0.8,
+            support: None,
+            is_glimpse: false,
+        }),
     }
 }

@@ -111,6 +111,10 @@ const METHOD_KEYS: &[Key] = &[
     ),
     other("perception.fit", "faces: from the object's faces; quadric: the paper's eq. (7)"),
     other(
+        "perception.glimpses",
+        "boxes without a measurement place an object, seen from several places",
+    ),
+    other(
         "perception.classes",
         "What is known of classes: symmetry none|plane|dual_plane; outline ellipsoid|cuboid|cylinder|superquadric: [e1, e2]; legs; carries things on its top; usual size_m [long, short, height].",
     ),

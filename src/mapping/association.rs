@@ -169,7 +169,8 @@ impl Evidence<'_> {
         let bodies: Vec<Option<(Ellipsoid, f64)>> = observations
             .iter()
             .map(|observation| {
-                let body = observation.measured.as_ref()?.ellipsoid.transformed(self.map_from_base);
+                let measured = observation.measured.as_ref().filter(|m| !m.is_glimpse)?;
+                let body = measured.ellipsoid.transformed(self.map_from_base);
                 let own = Prospect::new(view, self.map_from_base, &body, observation.outline);
                 let share =
                     own.zip(observation.rect).map_or(0.0, |(own, rect)| own.rect.overlap(&rect));
@@ -204,7 +205,12 @@ impl Evidence<'_> {
         let mut fits = Fits { in_image: self.in_image(observation, prospects), ..Fits::default() };
         let in_map = measured.ellipsoid.transformed(self.map_from_base);
         let gate = &self.settings.gate;
-        for at in index.near(&in_map, REACH_M) {
+        // Where only the direction is known, the image says what is near.
+        let is_vague = |at: &usize| measured.is_glimpse || self.objects[*at].is_glimpsed();
+        let aligned = fits.in_image.iter().filter(|(at, share)| **share > ALIGNED && is_vague(at));
+        let mut near: BTreeSet<usize> = aligned.map(|(at, _)| *at).collect();
+        near.extend(index.near(&in_map, REACH_M));
+        for at in near {
             let object = &self.objects[at];
             let called = self.settings.labels.cost(&observation.labels, object.belief());
             if called >= gate.new_object_cost {
@@ -223,7 +229,9 @@ impl Evidence<'_> {
             let shy = if object.counts() { 0.0 } else { TENTATIVE_COST };
             fits.costs.insert(at, apart.min(most) + box_cost + called + shy);
             let is_there = of_smaller > TOUCHING
-                || image.is_some_and(|share| share > gate.min_box_overlap && of_smaller > 0.0);
+                || image.is_some_and(|share| {
+                    share > gate.min_box_overlap && (of_smaller > 0.0 || is_vague(&at))
+                });
             if is_there && self.settings.labels.is_alike(called) {
                 fits.explaining.insert(at, of_smaller);
             }
@@ -272,6 +280,8 @@ struct Fits {
 
 /// Bodies of one thing in two frames are never farther apart (m): what the gate is asked about.
 const REACH_M: f64 = 0.3;
+/// Boxes that overlap by so much may be in one direction.
+const ALIGNED: f64 = 0.1;
 /// The most that geometry can cost where the measurement and the object overlap by so much of the smaller.
 const WORST_COST: f64 = 10.0;
 const SAME_PLACE: f64 = 0.4;

@@ -132,8 +132,8 @@ impl Existence {
 
     /// Takes the state that the evidence makes; whether the object is still there.
     pub(super) fn settle(&mut self, observations: u32, needed: u32, life: &LifeSettings) -> bool {
-        let enough = observations >= needed
-            && (self.views > 1 || observations >= needed + MORE_FROM_ONE_PLACE);
+        let more = needed.saturating_add(MORE_FROM_ONE_PLACE);
+        let enough = observations >= needed && (self.views > 1 || observations >= more);
         let is_sure = self.log_odds >= log_odds(life.confirmed_from);
         self.state = match self.state {
             ObjectState::Tentative if enough && is_sure => ObjectState::Confirmed,

@@ -5,6 +5,7 @@ use super::{
     association::{Associated, Decision},
     gate::overlap,
 };
+use crate::time::Stamp;
 use std::collections::BTreeMap;
 
 /// What happened to an object.
@@ -62,7 +63,7 @@ impl ObjectMap {
         self.weigh(associated, &seen, is_new_view);
         let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
         let mut changes = Vec::new();
-        self.settle(&mut changes);
+        self.settle(sighting.stamp, &mut changes);
         if self.settings.association == Association::Automatic {
             self.split_and_merge(&seen, &mut changes);
             self.find_moved(sighting, &mut changes);
@@ -95,16 +96,25 @@ impl ObjectMap {
     }
 
     /// Takes the states that follow, and takes out what is gone.
-    fn settle(&mut self, changes: &mut Vec<ObjectChange>) {
+    fn settle(&mut self, now: Stamp, changes: &mut Vec<ObjectChange>) {
         let (needed, life) = (self.settings.min_observations, self.settings.life);
         let mut gone = Vec::new();
         for object in &mut self.objects {
             let before = object.state();
-            if self.settings.association == Association::Given {
+            // What nobody knows the place of is not on the map.
+            let is_given = self.settings.association == Association::Given;
+            let is_placed = object.is_placed() || is_given && !object.is_glimpsed();
+            let needed = if is_placed { needed } else { u32::MAX };
+            if is_given {
                 if object.observations >= needed {
                     object.existence.state = ObjectState::Confirmed;
                 }
             } else if !object.existence.settle(object.observations, needed, &life) {
+                gone.push(object.id);
+            }
+            // Nothing speaks against what is out of the depth camera's reach: it is forgotten.
+            let is_vague = object.is_glimpsed() && !object.counts();
+            if is_vague && now.seconds_since(object.last_seen) > GLIMPSE_S {
                 gone.push(object.id);
             }
             if before == ObjectState::Tentative && object.counts() {
@@ -213,6 +223,8 @@ const MAX_BESIDE: f64 = 0.1;
 const SAME_PLACE: f64 = 0.4;
 /// Overlap, as a share of both together, of things that are the same.
 const SAME_SPACE: f64 = 0.45;
+/// Where there are too few glimpses to place an object, they are remembered for so long (s).
+const GLIMPSE_S: f64 = 60.0;
 /// What was moved is as large as it was, up to this factor.
 const SAME_SIZE: f64 = 1.35;
 /// It is found at its new place so long before it is missed at the old one (s).

@@ -61,6 +61,8 @@ pub struct MapObject {
     /// What follows from them.
     belief: BTreeMap<String, f64>,
     pub(super) existence: Existence,
+    /// Whether there are only glimpses of it.
+    glimpsed: bool,
     /// How often it had a box beside one of these others: they are not the same.
     pub(super) beside: BTreeMap<ObjectId, u32>,
     /// In how many images a second box was in its place.
@@ -92,6 +94,7 @@ impl MapObject {
             votes: BTreeMap::new(),
             belief: BTreeMap::new(),
             existence: Existence::default(),
+            glimpsed: first.measured.as_ref().is_some_and(|measured| measured.is_glimpse),
             beside: BTreeMap::new(),
             crowded: 0,
         }
@@ -132,6 +135,7 @@ impl MapObject {
             votes: saved.labels.iter().map(|(label, p)| (label.clone(), p * votes)).collect(),
             belief: saved.labels.clone(),
             existence: Existence::remembered(saved.existence),
+            glimpsed: false,
             crowded: 0,
             beside: BTreeMap::new(),
         })
@@ -200,6 +204,17 @@ impl MapObject {
         self.existence.state != ObjectState::Tentative
     }
 
+    /// Whether it was never measured: its place follows from boxes without depth, seen from several places.
+    pub fn is_glimpsed(&self) -> bool {
+        self.glimpsed
+    }
+
+    /// Whether it is known where it is. Glimpses tell it from different places only.
+    pub(super) fn is_placed(&self) -> bool {
+        let place = self.covariance.fixed_view::<3, 3>(3, 3).into_owned();
+        place.symmetric_eigenvalues().max().sqrt() < PLACED_SIGMA_M
+    }
+
     pub(super) fn belief(&self) -> &BTreeMap<String, f64> {
         &self.belief
     }
@@ -235,7 +250,7 @@ impl MapObject {
         let Some(measured) = &observation.measured else { return };
         let eye = map_from_base.translation.vector.into();
         self.existence.measured(measured.probability, &eye, &settings.life);
-        if let Some(height) = support_height(measured, map_from_base) {
+        if let Some(height) = measured.support_height_m(map_from_base) {
             self.support_heights += 1;
             let weight = 1.0 / f64::from(self.support_heights);
             let known = self.support_height_m.unwrap_or(height);
@@ -259,7 +274,7 @@ impl MapObject {
         Ok(())
     }
 
-    /// The factors of an observation from a keyframe. Returns the pose from which another measurement was forgotten
+    /// The factors of an observation from a keyframe. Returns the poses from which other measurements were forgotten
     /// for it.
     pub(super) fn tie(
         &mut self,
@@ -267,9 +282,11 @@ impl MapObject {
         observation: &Observation,
         place: &Place,
         settings: &SlamSettings,
-    ) -> Result<Option<PoseId>, Box<dyn Error>> {
-        let mut forgotten = None;
-        if let Some(measured) = observation.measured.as_ref().filter(|_| settings.observations) {
+    ) -> Result<Vec<PoseId>, Box<dyn Error>> {
+        let mut forgotten = Vec::new();
+        let measured = observation.measured.as_ref().filter(|_| settings.observations);
+        let is_news = |measured: &&Measured| !measured.is_glimpse || self.glimpsed;
+        if let Some(measured) = measured.filter(is_news) {
             forgotten = self.tie_measured(graph, measured, place, settings)?;
         }
         let sides = &observation.sides;
@@ -306,11 +323,11 @@ impl MapObject {
         measured: &Measured,
         place: &Place,
         settings: &SlamSettings,
-    ) -> Result<Option<PoseId>, Box<dyn Error>> {
+    ) -> Result<Vec<PoseId>, Box<dyn Error>> {
         let ellipsoid = measured.ellipsoid.transformed(&place.keyframe_from_base);
         let covariance = match settings.weighting {
-            Weighting::Covariance => measured.covariance,
-            Weighting::Paper => paper_covariance(&ellipsoid, measured.probability * settings.eps_z),
+            Weighting::Paper if !measured.is_glimpse => measured.paper_covariance(settings.eps_z),
+            _ => measured.covariance,
         };
         let factor = EllipsoidObservation::new(
             place.keyframe.pose,
@@ -323,15 +340,30 @@ impl MapObject {
         if settings.weighting == Weighting::Paper {
             let factor = TieFactor::Measured(Box::new(factor));
             self.ties.push(Tie::new(graph, factor, Some(place.keyframe.pose)));
-            return Ok(None);
+            return Ok(Vec::new());
         }
-        let map_from_keyframe = graph.pose(place.keyframe.pose);
-        self.begin_anew_if_wrong(graph, &ellipsoid.transformed(&map_from_keyframe));
+        let mut forgotten = Vec::new();
+        if !measured.is_glimpse {
+            let in_map = ellipsoid.transformed(&graph.pose(place.keyframe.pose));
+            if self.glimpsed {
+                forgotten = self.forget_glimpses(graph, &in_map);
+            }
+            self.begin_anew_if_wrong(graph, &in_map);
+        }
         let map_from_object = self.ellipsoid.pose;
         let view = (place.keyframe, factor);
-        let forgotten = self.views.add(graph, &map_from_object, view, settings)?;
-        self.forget_ties(graph, forgotten.as_slice());
+        forgotten.extend(self.views.add(graph, &map_from_object, view, settings)?);
+        self.forget_ties(graph, &forgotten);
         Ok(forgotten)
+    }
+
+    /// From the first measurement on, glimpses say nothing new. Returns the poses they were made from.
+    fn forget_glimpses(&mut self, graph: &mut Graph, measured: &Ellipsoid) -> Vec<PoseId> {
+        self.glimpsed = false;
+        let glimpses: Vec<View> = self.views.all().cloned().collect();
+        self.views.take(graph, &glimpses);
+        graph.set_ellipsoid(self.variable, *measured);
+        glimpses.iter().map(|view| view.keyframe.pose).collect()
     }
 
     /// Forgets what else was seen from keyframes from which no measurement is kept.
@@ -445,13 +477,6 @@ impl MapObject {
     }
 }
 
-/// Height in the map of the plane that a measured object stands on, below its centre (m).
-fn support_height(measured: &Measured, map_from_base: &Pose) -> Option<f64> {
-    let plane = measured.support?.transformed(map_from_base);
-    let center = measured.ellipsoid.transformed(map_from_base).center();
-    Some(center.z - plane.signed_distance(&center) / plane.normal.z)
-}
-
 /// The same ellipsoid without roll and pitch.
 fn upright(ellipsoid: &Ellipsoid) -> Ellipsoid {
     let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_of(&ellipsoid.pose));
@@ -461,14 +486,8 @@ fn upright(ellipsoid: &Ellipsoid) -> Ellipsoid {
     }
 }
 
-/// The same information for every component of eq. (14) (1/rad^2, 1/m^2).
-fn paper_covariance(ellipsoid: &Ellipsoid, information: f64) -> SMatrix<f64, 9, 9> {
-    let mut variances = SVector::<f64, 9>::repeat(1.0 / information);
-    let log_axes = ellipsoid.semi_axes.map(|s| 1.0 / (information * s * s));
-    variances.fixed_rows_mut::<3>(6).copy_from(&log_axes);
-    SMatrix::from_diagonal(&variances)
-}
-
+/// Standard deviation of the place of an object from which there must be more than glimpses (m).
+const PLACED_SIGMA_M: f64 = 0.5;
 /// A measurement is another object's if it is so much nearer to it.
 const NEARER: f64 = 0.4;
 /// Measurements that are remembered to judge an object's place by.

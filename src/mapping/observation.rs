@@ -6,7 +6,7 @@ use crate::{
     graph::BoxSide,
     time::Stamp,
 };
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 
 /// Where the robot was and what it saw.
 #[derive(Clone, Debug)]
@@ -60,4 +60,24 @@ pub struct Measured {
     pub probability: f64,
     /// The plane it stands on, in the frame of the base.
     pub support: Option<Plane>,
+    /// Whether it is hardly more than a direction: it counts for objects of which nothing better is known.
+    pub is_glimpse: bool,
+}
+
+impl Measured {
+    /// Height in the map of the plane that it stands on, below its centre (m).
+    pub(super) fn support_height_m(&self, map_from_base: &Pose) -> Option<f64> {
+        let plane = self.support?.transformed(map_from_base);
+        let center = self.ellipsoid.transformed(map_from_base).center();
+        Some(center.z - plane.signed_distance(&center) / plane.normal.z)
+    }
+
+    /// The same information for every component, `eps_z P_e` (1/rad^2, 1/m^2). Liao et al. 2020, eq. (11) and (14).
+    pub(super) fn paper_covariance(&self, eps_z: f64) -> SMatrix<f64, 9, 9> {
+        let information = eps_z * self.probability;
+        let mut variances = SVector::<f64, 9>::repeat(1.0 / information);
+        let log_axes = self.ellipsoid.semi_axes.map(|s| 1.0 / (information * s * s));
+        variances.fixed_rows_mut::<3>(6).copy_from(&log_axes);
+        SMatrix::from_diagonal(&variances)
+    }
 }

@@ -1,13 +1,15 @@
 //! From one box of one frame to an ellipsoid: Liao et al. 2020, section IV, on one page.
 
 use super::{
-    Classes, Detection, EllipsoidMeasurement, Frame, Probability, Refused, SupportPlane,
+    Classes, Detection, EllipsoidMeasurement, Frame, Glimpse, Probability, Refused, SupportPlane,
     SupportSettings, SymmetryPlane, SymmetryType,
+    claims::Claims,
     faces::Faces,
     find_support_planes,
     fit::{fit_ellipsoid, fit_probability},
     footprint::{Heading, heading_of_faces, heading_of_rectangle},
-    segmentation::{Segment, SegmentationSettings, segment},
+    glimpse,
+    segmentation::{Segment, SegmentationSettings, SurfacePoint, segment},
     stage::{Stage, StageObserver},
     symmetry::refine_symmetry,
 };
@@ -16,7 +18,7 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the single-frame estimation.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PerceptionSettings {
     /// Support planes.
@@ -25,8 +27,22 @@ pub struct PerceptionSettings {
     pub segmentation: SegmentationSettings,
     /// Size and place from the points.
     pub fit: FitModel,
+    /// Whether boxes without a measurement say where an object is, from several places.
+    pub glimpses: bool,
     /// What is known of each class.
     pub classes: Classes,
+}
+
+impl Default for PerceptionSettings {
+    fn default() -> Self {
+        Self {
+            support: SupportSettings::default(),
+            segmentation: SegmentationSettings::default(),
+            fit: FitModel::default(),
+            glimpses: true,
+            classes: Classes::default(),
+        }
+    }
 }
 
 /// How size and place follow from the completed points.
@@ -47,6 +63,8 @@ pub struct FrameEstimate {
     pub planes: Vec<SupportPlane>,
     /// For each detection, in order, a measurement or why not.
     pub objects: Vec<Result<EllipsoidMeasurement, Refused>>,
+    /// For each detection without a measurement, what its box says by itself.
+    pub glimpses: Vec<Option<Glimpse>>,
 }
 
 /// Estimates an ellipsoid for every box of a frame.
@@ -58,11 +76,39 @@ pub fn estimate_frame(
 ) -> FrameEstimate {
     observer.enter(Some(Stage::SupportPlanes));
     let planes = find_support_planes(frame, &settings.support);
-    let objects = detections
+    let everything = |_: &SurfacePoint| false;
+    let mut estimates: Vec<_> = detections
         .iter()
-        .map(|detection| estimate_object(frame, &planes, detection, settings, observer))
+        .map(|detection| estimate(frame, &planes, detection, settings, &everything, observer))
         .collect();
-    FrameEstimate { planes, objects }
+    let boxes = detections.iter().zip(&estimates);
+    let claims =
+        Claims::new(frame, boxes.map(|(d, e)| (d.rect, e.as_ref().ok().map(|e| &e.segment))));
+    for (at, detection) in detections.iter().enumerate().filter(|(at, _)| claims.contest(*at)) {
+        let are_others = |p: &SurfacePoint| claims.are_others(at, p);
+        estimates[at] = estimate(frame, &planes, detection, settings, &are_others, observer);
+    }
+    let (objects, glimpses) = (detections.iter().zip(estimates))
+        .map(|(detection, estimate)| measured_or_glimpsed(frame, detection, estimate, settings))
+        .unzip();
+    FrameEstimate { planes, objects, glimpses }
+}
+
+/// A box without a measurement has a glimpse; if the measurement is vague, the glimpse says more.
+fn measured_or_glimpsed(
+    frame: &Frame<'_>,
+    detection: &Detection,
+    estimate: Result<Estimate<'_>, Refused>,
+    settings: &PerceptionSettings,
+) -> (Result<EllipsoidMeasurement, Refused>, Option<Glimpse>) {
+    let is_vague = estimate.as_ref().map_or(true, |estimate| estimate.is_vague);
+    let wanted = settings.glimpses && is_vague;
+    let glimpse = wanted.then(|| glimpse(frame, detection, &settings.classes)).flatten();
+    let measured = match estimate {
+        Ok(_) if glimpse.is_some() => Err(Refused::TooLittleSeen { known: 0 }),
+        estimate => estimate.map(|estimate| estimate.measurement),
+    };
+    (measured, glimpse)
 }
 
 /// Estimates the ellipsoid of one detected object.
@@ -76,9 +122,30 @@ pub fn estimate_object(
     settings: &PerceptionSettings,
     observer: &mut dyn StageObserver,
 ) -> Result<EllipsoidMeasurement, Refused> {
+    estimate(frame, planes, detection, settings, &|_| false, observer).map(|e| e.measurement)
+}
+
+/// A measurement and what it was made from.
+struct Estimate<'a> {
+    measurement: EllipsoidMeasurement,
+    segment: Segment<'a>,
+    /// Whether the points are of the object, but nobody knows of which part.
+    is_vague: bool,
+}
+
+/// The same without the points that are others'.
+fn estimate<'a>(
+    frame: &Frame<'_>,
+    planes: &'a [SupportPlane],
+    detection: &Detection,
+    settings: &PerceptionSettings,
+    are_others: &dyn Fn(&SurfacePoint) -> bool,
+    observer: &mut dyn StageObserver,
+) -> Result<Estimate<'a>, Refused> {
     observer.enter(Some(Stage::Segmentation));
     let prior = settings.classes.prior(detection.label());
-    let segment = segment(frame, planes, &detection.rect, &prior, &settings.segmentation)?;
+    let segment =
+        segment(frame, planes, &detection.rect, &prior, &settings.segmentation, are_others)?;
     observer.enter(Some(Stage::Faces));
     let heading = heading(&segment, prior.outline);
     let mut faces = Faces::measure(frame, &segment, heading.yaw, &prior);
@@ -106,7 +173,7 @@ pub fn estimate_object(
         fit: fit_probability(&completed, &in_level, outline_of(settings.fit, prior.outline)),
     };
     let camera_from_level = frame.level_from_camera().inverse();
-    Ok(EllipsoidMeasurement {
+    let measurement = EllipsoidMeasurement {
         ellipsoid: in_level.transformed(&camera_from_level),
         covariance: faces.covariance(
             yaw_sigma(&heading, &faces, prior.outline),
@@ -123,7 +190,9 @@ pub fn estimate_object(
             .collect(),
         support: segment.support.map(|s| s.plane.transformed(&camera_from_level)),
         points: segment.points.len(),
-    })
+    };
+    let is_vague = faces.place_sigma_m(&prior) > 0.0;
+    Ok(Estimate { measurement, segment, is_vague })
 }
 
 fn outline_of(fit: FitModel, outline: Outline) -> Outline {

@@ -52,6 +52,7 @@ impl Faces {
         let mut out = Self { yaw, faces };
         let unseen_m = lowest_m + out.faces[4].position_m;
         out.hide_backs_of_sheets(segment);
+        out.hide_backs_of_fronts(segment, prior);
         let is_cut = BoxSide::ALL.into_iter().any(|side| segment.is_cut_by_image(side));
         if prior.foot || unseen_m > UNSEEN_SHARE * out.extent_m(2) {
             out.allow_for_unseen_part(prior, false);
@@ -112,6 +113,19 @@ impl Faces {
                 && outward(self.yaw, i).dot(&view) > TURNED_AWAY
             {
                 face.side = Side::Hidden;
+            }
+        }
+    }
+
+    /// One looks through below a table and between the legs of a chair. So of something on legs that is much thinner than
+    /// its class only the front was seen, although there is free space behind it.
+    fn hide_backs_of_fronts(&mut self, segment: &Segment<'_>, prior: &ClassPrior) {
+        let Some([_, short, _]) = prior.size_m.filter(|_| prior.legs) else { return };
+        let view = segment.direction();
+        for i in 0..4 {
+            let is_front = self.extent_m(i / 2) < FRONT_SHARE * short;
+            if is_front && outward(self.yaw, i).dot(&view) > TURNED_AWAY {
+                self.faces[i].side = Side::Hidden;
             }
         }
     }
@@ -439,6 +453,8 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
 
 /// Structured-light cameras lose readings this near to a jump of the depth (px). Khoshelham and Elberink 2012.
 const EDGE_BAND_PX: f64 = 2.0;
+/// Of something on legs, what is thinner than this share of the shorter usual extent is its front.
+const FRONT_SHARE: f64 = 0.5;
 /// Points are sparse where there are fewer than this share of what there would be if they were spread evenly.
 const SPARSE: f64 = 0.15;
 /// Depth of the layer of outermost points (m).

@@ -4,6 +4,7 @@
 
 mod background;
 mod bounds;
+mod claims;
 mod classes;
 mod clustering;
 mod depth;
@@ -14,6 +15,7 @@ mod faces;
 mod fit;
 mod footprint;
 mod frame;
+mod glimpse;
 mod measurement;
 mod normal;
 mod registration;
@@ -31,6 +33,7 @@ pub use detection::{Detection, DetectionError};
 pub use estimator::{FitModel, FrameEstimate, PerceptionSettings, estimate_frame, estimate_object};
 pub use fit::{FitReport, fit_ellipsoid, fit_probability, residual, retract_upright};
 pub use frame::{DepthNoise, Frame, Rays, Sight};
+pub use glimpse::{Glimpse, glimpse};
 pub use measurement::{EllipsoidMeasurement, Probability, Refused};
 pub use registration::register_depth;
 pub use segmentation::SegmentationSettings;

@@ -85,6 +85,8 @@ pub(super) struct Segment<'a> {
     pub(super) rect: Rect,
     /// The image.
     pub(super) image: Rect,
+    /// Intersection over union of the box and the points' extent in the image.
+    pub(super) agreement: f64,
     /// Distance between neighbouring samples on a surface facing the camera (m).
     pub(super) spacing_m: f64,
     /// The same (px).
@@ -124,15 +126,17 @@ impl Segment<'_> {
     }
 }
 
-/// Cuts out the object in `rect`.
+/// Cuts out the object in `rect`, from what are not others' points.
 pub(super) fn segment<'a>(
     frame: &Frame<'_>,
     planes: &'a [SupportPlane],
     rect: &Rect,
     prior: &ClassPrior,
     settings: &SegmentationSettings,
+    are_others: &dyn Fn(&SurfacePoint) -> bool,
 ) -> Result<Segment<'a>, Refused> {
-    let crop = Crop::new(frame, rect, settings)?;
+    let mut crop = Crop::new(frame, rect, settings)?;
+    crop.points.retain(|p| !are_others(p));
     let enough = (settings.min_points / (crop.stride * crop.stride) as usize).max(12);
     if crop.points.len() < enough {
         return Err(Refused::TooFewPoints { got: crop.points.len(), needed: enough });
@@ -181,7 +185,15 @@ pub(super) fn segment<'a>(
     add_normals(frame, &mut points, crop.stride);
     let stride = f64::from(crop.stride);
     let spacing_m = crop.spacing_m(&points);
-    Ok(Segment { spacing_m, stride, points, support, rect: crop.rect, image: crop.image })
+    Ok(Segment {
+        spacing_m,
+        stride,
+        points,
+        support,
+        rect: crop.rect,
+        image: crop.image,
+        agreement: overlap,
+    })
 }
 
 /// Of one face both ends are found within so many standard deviations of the depth,

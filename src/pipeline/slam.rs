@@ -11,7 +11,7 @@ use crate::{
         Continuation, MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation,
         ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View,
     },
-    perception::{Detection, EllipsoidMeasurement, Refused, Stage, StageObserver},
+    perception::{Detection, EllipsoidMeasurement, Glimpse, Refused, Stage, StageObserver},
     time::Stamp,
 };
 use nalgebra::Matrix6;
@@ -200,7 +200,8 @@ impl ObjectSlam {
         update: &mut Update,
     ) -> Keyframe {
         let Look { base_from_camera, camera, depth, detections, estimate } = look;
-        let seen = detections.iter().zip(&estimate.objects).map(|(detection, found)| Observation {
+        let found = estimate.objects.iter().zip(&estimate.glimpses);
+        let seen = detections.iter().zip(found).map(|(detection, (found, glimpse))| Observation {
             labels: detection.hypotheses().to_vec(),
             track: detection.track,
             outline: self.settings.perception.classes.prior(detection.label()).outline,
@@ -211,7 +212,11 @@ impl ObjectSlam {
                 (&camera, &base_from_camera),
                 &self.settings.slam,
             ),
-            measured: found.as_ref().ok().map(|m| in_base(m, &base_from_camera)),
+            measured: match (found, glimpse) {
+                (Ok(measured), _) => Some(in_base(measured, &base_from_camera)),
+                (Err(_), Some(glimpse)) => Some(glimpsed(glimpse, &base_from_camera)),
+                (Err(_), None) => None,
+            },
         });
         let sighted = self.map.observe(&Sighting {
             stamp,
@@ -252,6 +257,17 @@ fn in_base(measurement: &EllipsoidMeasurement, base_from_camera: &Pose) -> Measu
         covariance: measurement.covariance,
         probability: measurement.probability.combined(),
         support: measurement.support.map(|plane| plane.transformed(base_from_camera)),
+        is_glimpse: false,
+    }
+}
+
+fn glimpsed(glimpse: &Glimpse, base_from_camera: &Pose) -> Measured {
+    Measured {
+        ellipsoid: glimpse.ellipsoid.transformed(base_from_camera),
+        covariance: glimpse.covariance,
+        probability: 0.0,
+        support: None,
+        is_glimpse: true,
     }
 }
 

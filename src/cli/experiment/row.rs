@@ -109,6 +109,7 @@ pub(super) fn row(key: &str) -> Result<&'static Row, String> {
 /// components alike.
 fn by_the_paper(settings: &mut Settings) {
     settings.perception.fit = FitModel::Quadric;
+    settings.perception.glimpses = false;
     settings.slam.boxes = true;
     settings.slam.silhouettes = false;
     settings.slam.support = true;

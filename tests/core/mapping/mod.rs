@@ -37,7 +37,13 @@ pub(crate) fn observation(
         outline: Outline::Cuboid,
         rect: None,
         sides: ObservedBox { base_from_camera: Pose::identity(), sides: [None; 4] },
-        measured: Some(Measured { ellipsoid, covariance, probability: 0.7, support: None }),
+        measured: Some(Measured {
+            ellipsoid,
+            covariance,
+            probability: 0.7,
+            support: None,
+            is_glimpse: false,
+        }),
     }
 }
 

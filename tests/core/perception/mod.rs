@@ -3,6 +3,7 @@
 mod cut_and_hidden;
 mod detection;
 mod fit;
+mod glimpses;
 mod refusals;
 mod registration;
 mod shapes;

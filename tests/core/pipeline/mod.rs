@@ -1,6 +1,7 @@
 //! `ObjectSlam::handle` with hand-made messages.
 
 mod clocks;
+mod glimpses;
 mod missing;
 mod pairing;
 mod poses;

@@ -1,0 +1,188 @@
+//! What a box says where depth does not suffice for a measurement: a direction, and how far off something of its class
+//! would be that looks so large.
+
+use super::{ClassPrior, Classes, Detection, Frame};
+use crate::geometry::{Camera, Ellipsoid, Pose, Rect};
+use nalgebra::{Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
+
+/// An object of which one frame shows hardly more than the direction. From several places, such views tell where it is.
+#[derive(Clone, Debug)]
+pub struct Glimpse {
+    /// In the camera's optical frame; upright, z up, x away from the camera.
+    pub ellipsoid: Ellipsoid,
+    /// Covariance of `[rotation, translation, log semi-axes]`, a right perturbation in the object's frame: long towards the
+    /// camera, and the farther the larger.
+    pub covariance: SMatrix<f64, 9, 9>,
+}
+
+/// Where an object of the box's class is, going by how large it looks and by the depth in the middle of its box. Nothing
+/// where the image cuts the box.
+pub fn glimpse(frame: &Frame<'_>, detection: &Detection, classes: &Classes) -> Option<Glimpse> {
+    let seen = Apparent::new(frame, &detection.rect)?;
+    let prior = classes.prior(detection.label());
+    let (range_m, sigma_m) = seen.range_m(frame, &detection.rect, &prior);
+    Some(seen.glimpse(frame, range_m, sigma_m, &prior))
+}
+
+/// A box as angles.
+struct Apparent {
+    /// Through the middle of the box, in the level frame.
+    direction: Vector3<f64>,
+    /// Extents at a range of 1 (m).
+    width: f64,
+    height: f64,
+    /// Standard deviation of either side of the box, at a range of 1 (m).
+    sigma: [f64; 2],
+}
+
+impl Apparent {
+    fn new(frame: &Frame<'_>, rect: &Rect) -> Option<Self> {
+        let camera = frame.camera();
+        if !is_whole(rect, camera) {
+            return None;
+        }
+        let (u, v) = rect.center();
+        let ray = camera.ray(u, v);
+        let (width, height) = (
+            (camera.ray(rect.x_max, v) - camera.ray(rect.x_min, v)).x / ray.norm(),
+            (camera.ray(u, rect.y_max) - camera.ray(u, rect.y_min)).y / ray.norm(),
+        );
+        let (fx, fy) = camera.focal();
+        Some(Self {
+            direction: (frame.level_from_camera() * ray).normalize(),
+            width,
+            height,
+            sigma: [
+                (SIDE_SIGMA_PX / fx).hypot(SIDE_SIGMA_RATIO * width),
+                (SIDE_SIGMA_PX / fy).hypot(SIDE_SIGMA_RATIO * height),
+            ],
+        })
+    }
+
+    /// Sine and cosine of how far the camera looks down at it.
+    fn descent(&self) -> (f64, f64) {
+        let sine = -self.direction.z;
+        (sine.abs(), (1.0 - sine * sine).sqrt())
+    }
+
+    /// The range of the object's middle and its standard deviation (m).
+    fn range_m(&self, frame: &Frame<'_>, rect: &Rect, prior: &ClassPrior) -> (f64, f64) {
+        let Some([long, short, high]) = prior.size_m else {
+            return readings_m(frame, rect).map_or((ANY_RANGE_M, ANY_RANGE_SIGMA_M), |near| {
+                (near, 2.0 * READING_SIGMA * near)
+            });
+        };
+        let (sine, cosine) = self.descent();
+        let middle = (long * short).sqrt();
+        // Of what is partly hidden, less shows: the side that asks for the shorter range is the more credible.
+        let by_height = (high * cosine + middle * sine) / self.height;
+        let by_width = SEEN_WIDTH * middle / self.width;
+        let range = (by_height * by_width).sqrt().min(1.2 * by_height.min(by_width));
+        let disagreement = 0.5 * (by_height / by_width).ln().abs();
+        let sigma = SIZE_SIGMA.hypot(disagreement) * range;
+        // The depth in the box is the object's, unless it would have an absurd size there.
+        let near = readings_m(frame, rect).map(|near| near + 0.5 * middle);
+        match near.filter(|near| (near / range).ln().abs() < 2.0 * SIZE_SIGMA) {
+            Some(near) => (near, READING_SIGMA * near),
+            None => (range, sigma),
+        }
+    }
+
+    fn glimpse(
+        &self,
+        frame: &Frame<'_>,
+        range_m: f64,
+        range_sigma_m: f64,
+        prior: &ClassPrior,
+    ) -> Glimpse {
+        let (sine, cosine) = self.descent();
+        let (width, height) = (self.width * range_m, self.height * range_m);
+        let usual = prior.size_m.unwrap_or([width, width, height]);
+        let middle = (usual[0] * usual[1]).sqrt();
+        let across = (width / SEEN_WIDTH).clamp(0.5 * usual[1], 1.5 * usual[0]);
+        let along = if across > middle { usual[1] } else { usual[0] };
+        let up = ((height - along * sine) / cosine.max(0.1)).clamp(0.5 * usual[2], 2.0 * usual[2]);
+        let semi_axes = 0.5 * Vector3::new(along, across, up);
+        let yaw = self.direction.y.atan2(self.direction.x);
+        let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+        let center = self.direction * range_m;
+        let in_level =
+            Ellipsoid::new(Pose::from_parts(Translation3::from(center), rotation), semi_axes);
+        // In the object's frame.
+        let away = rotation.inverse() * self.direction;
+        let [sigma_x, sigma_y] = self.sigma.map(|sigma| sigma * range_m);
+        let mut covariance = SMatrix::<f64, 9, 9>::zeros();
+        let mut longer = SVector::<f64, 9>::zeros();
+        longer.fixed_rows_mut::<3>(3).copy_from(&away);
+        (longer[7], longer[8]) = (1.0 / range_m, 1.0 / range_m);
+        covariance += range_sigma_m * range_sigma_m * longer * longer.transpose();
+        let aside = [sigma_y * sigma_y, sigma_x * sigma_x, sigma_y * sigma_y];
+        let own = [
+            TILT_SIGMA_RAD.powi(2),
+            TILT_SIGMA_RAD.powi(2),
+            HEADING_SIGMA_RAD.powi(2),
+            aside[0],
+            aside[1],
+            aside[2],
+            DEPTH_SIGMA.powi(2),
+            WIDTH_SIGMA.powi(2) + (sigma_x / semi_axes.y).powi(2),
+            HEIGHT_SIGMA.powi(2)
+                + (sigma_y / semi_axes.z).powi(2)
+                + (DEPTH_SIGMA * along * sine / up).powi(2),
+        ];
+        own.iter().enumerate().for_each(|(i, variance)| covariance[(i, i)] += variance);
+        Glimpse {
+            ellipsoid: in_level.transformed(&frame.level_from_camera().inverse()),
+            covariance,
+        }
+    }
+}
+
+/// A lower quartile of the ranges in the middle of a box (m).
+fn readings_m(frame: &Frame<'_>, rect: &Rect) -> Option<f64> {
+    let cell = |low: f64, extent: f64, at: usize| {
+        low + extent * (0.25 + 0.5 * (at as f64 + 0.5) / GRID as f64)
+    };
+    let mut ranges: Vec<f64> = (0..GRID * GRID)
+        .filter_map(|at| {
+            let u = cell(rect.x_min, rect.width(), at % GRID).round() as i32;
+            let v = cell(rect.y_min, rect.height(), at / GRID).round() as i32;
+            frame.point_in_level(u, v).map(|p| nalgebra::distance(&p, &Point3::origin()))
+        })
+        .collect();
+    if 2 * ranges.len() < GRID * GRID {
+        return None;
+    }
+    ranges.sort_by(f64::total_cmp);
+    Some(ranges[ranges.len() / 4])
+}
+
+/// Whether no side lies at the border of the image.
+fn is_whole(rect: &Rect, camera: &Camera) -> bool {
+    let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
+    let distances = [rect.x_min, rect.y_min, right - rect.x_max, bottom - rect.y_max];
+    distances.iter().all(|distance| *distance > BORDER_PX)
+}
+
+/// Standard deviation of a side of a detector's box (px), and as a share of the box.
+const SIDE_SIGMA_PX: f64 = 3.0;
+const SIDE_SIGMA_RATIO: f64 = 0.06;
+/// What an object shows of its width from any side, as a share of the mean of its two horizontal extents.
+const SEEN_WIDTH: f64 = 1.15;
+/// Standard deviation of the logarithm of how large objects of a class are.
+const SIZE_SIGMA: f64 = 0.4;
+/// Standard deviation of the object's range where depth readings tell it, as a share of it.
+const READING_SIGMA: f64 = 0.15;
+/// The range of what could be anything (m).
+const ANY_RANGE_M: f64 = 5.0;
+const ANY_RANGE_SIGMA_M: f64 = 2.5;
+/// Standard deviations of the logarithms of extents: away from the camera, where nothing was seen, across, and upwards.
+const DEPTH_SIGMA: f64 = 0.5;
+const WIDTH_SIGMA: f64 = 0.25;
+const HEIGHT_SIGMA: f64 = 0.15;
+/// A heading that is not known at all (rad).
+const HEADING_SIGMA_RAD: f64 = 1.0;
+const TILT_SIGMA_RAD: f64 = 0.02;
+const BORDER_PX: f64 = 5.0;
+/// Depth readings are looked at on a grid of so many by so many.
+const GRID: usize = 7;
