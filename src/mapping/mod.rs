@@ -5,6 +5,7 @@ mod association;
 mod continuation;
 mod existence;
 mod gate;
+mod glimpsed;
 mod index;
 mod initial;
 mod labels;

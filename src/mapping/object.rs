@@ -48,13 +48,13 @@ pub struct MapObject {
     pub support_height_m: Option<f64>,
     /// Measurements that saw that plane.
     support_heights: u32,
-    variable: EllipsoidId,
-    views: Views,
+    pub(super) variable: EllipsoidId,
+    pub(super) views: Views,
     /// Its other factors.
     ties: Vec<Tie>,
     /// Where single measurements saw its centre, in the map.
     centers: Vec<Point3<f64>>,
-    ellipsoid: Ellipsoid,
+    pub(super) ellipsoid: Ellipsoid,
     covariance: SMatrix<f64, 9, 9>,
     /// Sum of the detector's probabilities by label.
     votes: BTreeMap<String, f64>,
@@ -62,7 +62,9 @@ pub struct MapObject {
     belief: BTreeMap<String, f64>,
     pub(super) existence: Existence,
     /// Whether there are only glimpses of it.
-    glimpsed: bool,
+    pub(super) glimpsed: bool,
+    /// Whether it is known where it is.
+    pub(super) placed: bool,
     /// How often it had a box beside one of these others: they are not the same.
     pub(super) beside: BTreeMap<ObjectId, u32>,
     /// In how many images a second box was in its place.
@@ -95,6 +97,7 @@ impl MapObject {
             belief: BTreeMap::new(),
             existence: Existence::default(),
             glimpsed: first.measured.as_ref().is_some_and(|measured| measured.is_glimpse),
+            placed: false,
             beside: BTreeMap::new(),
             crowded: 0,
         }
@@ -136,6 +139,7 @@ impl MapObject {
             belief: saved.labels.clone(),
             existence: Existence::remembered(saved.existence),
             glimpsed: false,
+            placed: true,
             crowded: 0,
             beside: BTreeMap::new(),
         })
@@ -202,17 +206,6 @@ impl MapObject {
     /// Whether it was seen often enough to be an object of the map.
     pub(super) fn counts(&self) -> bool {
         self.existence.state != ObjectState::Tentative
-    }
-
-    /// Whether it was never measured: its place follows from boxes without depth, seen from several places.
-    pub fn is_glimpsed(&self) -> bool {
-        self.glimpsed
-    }
-
-    /// Whether it is known where it is. Glimpses tell it from different places only.
-    pub(super) fn is_placed(&self) -> bool {
-        let place = self.covariance.fixed_view::<3, 3>(3, 3).into_owned();
-        place.symmetric_eigenvalues().max().sqrt() < PLACED_SIGMA_M
     }
 
     pub(super) fn belief(&self) -> &BTreeMap<String, f64> {
@@ -357,15 +350,6 @@ impl MapObject {
         Ok(forgotten)
     }
 
-    /// From the first measurement on, glimpses say nothing new. Returns the poses they were made from.
-    fn forget_glimpses(&mut self, graph: &mut Graph, measured: &Ellipsoid) -> Vec<PoseId> {
-        self.glimpsed = false;
-        let glimpses: Vec<View> = self.views.all().cloned().collect();
-        self.views.take(graph, &glimpses);
-        graph.set_ellipsoid(self.variable, *measured);
-        glimpses.iter().map(|view| view.keyframe.pose).collect()
-    }
-
     /// Forgets what else was seen from keyframes from which no measurement is kept.
     fn forget_ties(&mut self, graph: &mut Graph, poses: &[PoseId]) {
         let is_viewed = |pose: &PoseId| self.views.all().any(|view| view.keyframe.pose == *pose);
@@ -415,6 +399,7 @@ impl MapObject {
         }
         self.belief = mapping.labels.posterior(&self.votes);
         self.existence.absorb(&other.existence);
+        self.placed |= other.placed;
         self.centers.extend(other.centers);
         self.centers.truncate(MAX_CENTERS);
         let (own, others) = (f64::from(self.support_heights), f64::from(other.support_heights));
@@ -486,8 +471,6 @@ fn upright(ellipsoid: &Ellipsoid) -> Ellipsoid {
     }
 }
 
-/// Standard deviation of the place of an object from which there must be more than glimpses (m).
-const PLACED_SIGMA_M: f64 = 0.5;
 /// A measurement is another object's if it is so much nearer to it.
 const NEARER: f64 = 0.4;
 /// Measurements that are remembered to judge an object's place by.

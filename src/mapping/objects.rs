@@ -161,6 +161,11 @@ impl ObjectMap {
         self.chain.forget(thinned);
         self.chain.note_loose(loose);
         self.refresh(found.iter().copied().flatten());
+        for at in found.iter().copied().flatten() {
+            if !self.objects[at].counts() {
+                self.objects[at].judge_place(&self.graph, place.keyframe.pose);
+            }
+        }
         Ok((associated, found))
     }
 
