@@ -2,7 +2,7 @@
 
 All factors are GTSAM's own. An object is a Pose3, seen through a BetweenFactorPose3, and a Vector3 of the logarithms of
 its semi-axes, of which every sight is a prior: a smaller problem than ours, whose factors have nine dimensions. A
-keyframe's time is that of ISAM2.update and of reading the newest pose; factors are made before. Parameters are
+keyframe's processor time is that of ISAM2.update and of reading the newest pose; factors are made before. Parameters are
 GTSAM's defaults.
 """
 
@@ -56,10 +56,10 @@ def drive(world):
             graph.push_back(gtsam.BetweenFactorPose3(X(at), L(i), measured, pose_noise))
             graph.push_back(gtsam.PriorFactorVector(S(i), sizes, size_noise))
         everything.push_back(graph)
-        start = time.perf_counter()
+        start = time.process_time()
         isam.update(graph, values)
         newest = isam.calculateEstimatePose3(X(at))
-        times.append(1e3 * (time.perf_counter() - start))
+        times.append(1e3 * (time.process_time() - start))
     return times, everything, isam.calculateEstimate()
 
 

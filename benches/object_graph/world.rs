@@ -23,6 +23,8 @@ const CLOSURE_AFTER: usize = 100;
 
 /// What is measured at a keyframe.
 pub(crate) struct Keyframe {
+    /// Where it truly is.
+    pub(crate) at: Pose,
     /// From the keyframe before; at the first one from the origin.
     pub(crate) step: Pose,
     pub(crate) seen: Vec<Seen>,
@@ -47,6 +49,18 @@ pub(crate) fn closures(world: &[Keyframe]) -> Vec<bool> {
 /// Trips of [`TRIP`] keyframes through rooms that were not seen before, each from the hall and back into it. An object
 /// is in view for 40 keyframes.
 pub(crate) fn building(keyframes: usize) -> Vec<Keyframe> {
+    trips(keyframes, TRIP)
+}
+
+/// One trip, from the hall until shortly before it: nothing is seen again.
+pub(crate) fn round(keyframes: usize) -> Vec<Keyframe> {
+    let mut world = trips(keyframes, keyframes);
+    world.truncate(keyframes.saturating_sub(2 * HALL * SPACING));
+    world
+}
+
+fn trips(keyframes: usize, length: usize) -> Vec<Keyframe> {
+    let radius_m = RADIUS_M * length as f64 / TRIP as f64;
     let mut sensor = Sensor::new();
     let hall: Vec<Ellipsoid> = (0..HALL)
         .map(|i| {
@@ -56,26 +70,26 @@ pub(crate) fn building(keyframes: usize) -> Vec<Keyframe> {
         .collect();
     let mut objects = hall;
     let mut world = Vec::new();
-    for trip in 0..keyframes.div_ceil(TRIP) {
+    for trip in 0..keyframes.div_ceil(length) {
         let map_from_trip =
             UnitQuaternion::from_axis_angle(&Vector3::z_axis(), GOLDEN_ANGLE * trip as f64);
         let on_the_way = |at: f64, aside: f64| {
-            let angle = TAU * at / TRIP as f64;
-            let radius = RADIUS_M + aside;
-            let place = Vector3::new(radius * angle.sin(), RADIUS_M - radius * angle.cos(), 0.0);
+            let angle = TAU * at / length as f64;
+            let radius = radius_m + aside;
+            let place = Vector3::new(radius * angle.sin(), radius_m - radius * angle.cos(), 0.0);
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
             Pose::from_parts((map_from_trip * place).into(), map_from_trip * turn)
         };
         // From the hall's second half over the rooms to its first half.
         let mut along: Vec<usize> = (HALL / 2..HALL).collect();
-        for place in HALL / 2..TRIP / SPACING - HALL / 2 {
+        for place in HALL / 2..length / SPACING - HALL / 2 {
             let aside = if place % 2 == 0 { 1.5 } else { -1.5 };
             let at = on_the_way((place * SPACING) as f64, aside).translation.vector;
             along.push(objects.len());
             objects.push(sensor.object(at.x, at.y));
         }
         along.extend(0..HALL);
-        for at in 0..TRIP.min(keyframes - world.len()) {
+        for at in 0..length.min(keyframes - world.len()) {
             let ahead = at / SPACING;
             let visible: Vec<(usize, &Ellipsoid)> =
                 along[ahead..].iter().take(IN_VIEW).map(|i| (*i, &objects[*i])).collect();
@@ -91,7 +105,7 @@ const TRIP: usize = 500;
 const SPACING: usize = 10;
 /// Objects in the hall.
 const HALL: usize = 4;
-/// Of a trip, which is a circle (m).
+/// Of a trip of that length, which is a circle (m).
 const RADIUS_M: f64 = 8.0;
 /// Between the directions of trips: no two are the same (rad).
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
@@ -177,7 +191,7 @@ impl Sensor {
             let measured = truth.transformed(&at.inverse()).retract(&error);
             Seen { object: *object, measured }
         });
-        Keyframe { step, seen: seen.collect() }
+        Keyframe { at, step, seen: seen.collect() }
     }
 
     /// Straight on more often than to a side, and back only at a dead end.

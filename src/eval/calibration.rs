@@ -1,8 +1,8 @@
 //! Whether errors are as large as the covariance says.
 
 use super::{axes, object_error::rotation_error_deg};
-use crate::geometry::{Ellipsoid, OrientedBox, Pose};
-use nalgebra::{DMatrix, DVector, Rotation3, SMatrix, SVector, UnitQuaternion};
+use crate::geometry::{Ellipsoid, OrientedBox, Pose, local};
+use nalgebra::{DMatrix, DVector, Matrix6, Rotation3, SMatrix, SVector, UnitQuaternion};
 use serde::Serialize;
 
 /// A squared error in units of its covariance (NEES); chi-square distributed if the covariance is right.
@@ -28,6 +28,16 @@ pub struct Calibration {
     pub within_90: Option<f64>,
     /// Likewise 99 %.
     pub within_99: Option<f64>,
+}
+
+/// Error of a robot's pose in the plane, heading and place, with a covariance of `[rotation, translation]`, a right
+/// perturbation. Nothing where the covariance is singular.
+pub fn pose_error(
+    estimate: &Pose,
+    covariance: &Matrix6<f64>,
+    truth: &Pose,
+) -> Option<NormalisedError> {
+    normalised(&local(estimate, truth), covariance, &[2, 3, 4])
 }
 
 /// The parts of an object's error; a heading only where the true footprint has a main axis.
@@ -74,9 +84,9 @@ fn renamed(truth: &OrientedBox, old_from_new: &nalgebra::Matrix3<f64>) -> Ellips
     Ellipsoid::new(Pose::from_parts(truth.pose.translation, rotation), semi_axes)
 }
 
-fn normalised(
-    error: &SVector<f64, 9>,
-    covariance: &SMatrix<f64, 9, 9>,
+fn normalised<const N: usize>(
+    error: &SVector<f64, N>,
+    covariance: &SMatrix<f64, N, N>,
     rows: &[usize],
 ) -> Option<NormalisedError> {
     let dimensions = rows.len();

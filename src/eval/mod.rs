@@ -13,7 +13,7 @@ mod object_error;
 mod objects;
 mod trajectory;
 
-pub use calibration::{Calibration, NormalisedError};
+pub use calibration::{Calibration, NormalisedError, pose_error};
 pub use ground_truth::{GroundTruth, GroundTruthError, TrueObject};
 pub use id_switches::IdSwitches;
 pub use interval::Interval;

@@ -1,12 +1,7 @@
 //! Robust kernels: how much a residual costs that may be an outlier's.
 
-use serde::{Deserialize, Serialize};
-
 /// The cost of a whitened residual by its norm `d`. With a robust kernel, outliers pull less.
-///
-/// As text: `quadratic` or `{ huber: 3.0 }`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kernel {
     /// `d^2 / 2`: least squares.
     Quadratic,
@@ -15,7 +10,6 @@ pub enum Kernel {
     /// `k^2 / 2 ln(1 + d^2 / k^2)`.
     Cauchy(f64),
     /// `c^2 / 2 d^2 / (c^2 + d^2)`: no residual costs more than `c^2 / 2`. Geman and McClure 1985.
-    #[serde(rename = "geman_mcclure")]
     GemanMcClure(f64),
 }
 

@@ -1,5 +1,6 @@
 //! From inputs to updates: the page that reads like the paper.
 
+mod front_end;
 mod history;
 mod input;
 mod settings;
@@ -7,6 +8,7 @@ mod slam;
 mod sync;
 mod transforms;
 
+pub use front_end::{FrontEnd, Perceived};
 pub use input::{
     CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
     StampedTransform,

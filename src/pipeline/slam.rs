@@ -1,8 +1,8 @@
 //! The whole method on one page.
 
 use super::{
-    CameraMessage, DepthMessage, Dropped, Input, Settings,
-    sync::{Moment, Sync},
+    Dropped, FrontEnd, Input, Perceived, Settings,
+    front_end::{Look, PerceivedFrame},
 };
 use crate::{
     geometry::{Camera, Pose, Rect},
@@ -11,13 +11,10 @@ use crate::{
         Continuation, MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation,
         ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View,
     },
-    perception::{
-        DepthImage, Detection, EllipsoidMeasurement, Frame, Glimpse, Rays, Refused, Stage,
-        StageObserver, estimate_frame, register_depth,
-    },
+    perception::{Detection, EllipsoidMeasurement, Glimpse, Refused, Stage, StageObserver},
     time::Stamp,
 };
-use nalgebra::{Matrix6, Vector3};
+use nalgebra::Matrix6;
 
 /// What came of one input.
 #[derive(Clone, Debug, Default)]
@@ -71,24 +68,32 @@ pub struct BoxResult {
     pub object: Option<ObjectId>,
 }
 
-/// Object-level SLAM: inputs in, updates out. Reads no clock, does no input or output.
+/// Object-level SLAM: inputs in, updates out. Reads no clock, does no input or output. Liao et al. 2020, figure 2.
+///
+/// Its two halves are a [`FrontEnd`], which needs no map, and [`ObjectSlam::join`]. A shell that must not keep images
+/// waiting while the graph works has a front end of its own on another thread and hands over what that perceives.
 #[derive(Debug)]
 pub struct ObjectSlam {
     settings: Settings,
-    sync: Sync,
+    front_end: FrontEnd,
     map: ObjectMap,
     /// The saved map, as long as the place in it is not known.
     waiting: Option<Continuation>,
-    color_rays: Option<Rays>,
-    depth_rays: Option<Rays>,
+    odom_frame: String,
+    base_frame: String,
 }
 
 impl ObjectSlam {
     /// An empty map.
     pub fn new(settings: Settings) -> Self {
-        let sync = Sync::new(settings.sync.clone());
-        let map = ObjectMap::new(settings.mapping.clone(), settings.slam);
-        Self { settings, sync, map, waiting: None, color_rays: None, depth_rays: None }
+        Self {
+            front_end: FrontEnd::new(settings.clone()),
+            map: ObjectMap::new(settings.mapping.clone(), settings.slam),
+            waiting: None,
+            odom_frame: settings.sync.odom_frame.clone(),
+            base_frame: settings.sync.base_frame.clone(),
+            settings,
+        }
     }
 
     /// Continues a saved map. `start` is `map_from_base` at the first frame, if it is known about.
@@ -96,10 +101,10 @@ impl ObjectSlam {
     /// Until the place in the saved map is recognised, the map is odometry's frame at the first frame and has only what
     /// was seen since.
     pub fn continuing(settings: Settings, saved: SavedMap, start: Option<Pose>) -> Self {
-        let Self { settings, sync, map, .. } = Self::new(settings);
-        let map = map.continuing(&saved);
-        let waiting = Some(Continuation::new(saved, start, settings.relocalisation));
-        Self { settings, sync, map, waiting, color_rays: None, depth_rays: None }
+        let mut new = Self::new(settings);
+        new.map = new.map.continuing(&saved);
+        new.waiting = Some(Continuation::new(saved, start, new.settings.relocalisation));
+        new
     }
 
     /// The saved map that the place was not recognised in yet, and why not.
@@ -109,27 +114,23 @@ impl ObjectSlam {
 
     /// From now on these settings count; what is in the map stays.
     pub fn change_settings(&mut self, settings: Settings) {
-        self.sync.change_settings(settings.sync.clone());
+        self.front_end.change_settings(settings.clone());
         self.map.change_settings(settings.mapping.clone(), settings.slam);
         self.settings = settings;
     }
 
     /// Takes one message and does what it makes possible.
     pub fn handle(&mut self, input: Input, observer: &mut dyn StageObserver) -> Update {
-        let mut update = Update::default();
-        self.sync.push(input, &mut update.dropped);
-        self.work(false, &mut update, observer);
-        self.sync.drop_stale_boxes(&mut update.dropped);
-        update
+        let perceived = self.front_end.take(input, observer);
+        self.join(perceived, observer)
     }
 
     /// Works off what is still waiting: nothing more will come.
     pub fn finish(&mut self, observer: &mut dyn StageObserver) -> Update {
-        let mut update = Update::default();
-        self.work(true, &mut update, observer);
+        let perceived = self.front_end.finish(observer);
+        let mut update = self.join(perceived, observer);
         self.map.finish();
         self.relocalise(true, &mut update);
-        update.dropped.extend(self.sync.leftovers());
         update
     }
 
@@ -156,20 +157,22 @@ impl ObjectSlam {
 
     /// The odometry's fixed frame and the base frame.
     pub fn frames(&self) -> (&str, &str) {
-        self.sync.frames()
+        (&self.odom_frame, &self.base_frame)
     }
 
-    fn work(&mut self, last: bool, update: &mut Update, observer: &mut dyn StageObserver) {
-        while let Some(mut moment) = self.sync.next(last, &mut update.dropped) {
-            let (stamp, odom_from_base) = (moment.depth.stamp, moment.odom_from_base);
-            if let Some(detections) = moment.detections.take() {
-                let keyframe = self.keyframe(moment, detections, update, observer);
+    /// Joins what a front end perceived, in the order in which it was perceived.
+    pub fn join(&mut self, perceived: Perceived, observer: &mut dyn StageObserver) -> Update {
+        let mut update = Update { dropped: perceived.dropped, ..Update::default() };
+        for frame in perceived.frames {
+            let PerceivedFrame { stamp, odom_from_base, .. } = frame;
+            (self.odom_frame, self.base_frame) = (frame.odom_frame, frame.base_frame);
+            if let Some(look) = frame.look {
+                observer.enter(Some(Stage::Mapping));
+                let place = (stamp, &odom_from_base, frame.odometry_covariance);
+                let keyframe = self.keyframe(place, look, &mut update);
+                update.keyframes.push(keyframe);
+                self.relocalise(false, &mut update);
                 observer.enter(None);
-                match keyframe {
-                    Ok(keyframe) => update.keyframes.push(keyframe),
-                    Err(dropped) => update.dropped.push(dropped),
-                }
-                self.relocalise(false, update);
             }
             update.poses.push(FramePose {
                 stamp,
@@ -178,6 +181,7 @@ impl ObjectSlam {
                 keyframes: self.map.keyframes(),
             });
         }
+        update
     }
 
     /// Looks whether the saved map can be entered, or a loop closed, by now.
@@ -193,26 +197,14 @@ impl ObjectSlam {
         }
     }
 
-    /// Liao et al. 2020, figure 2: depth and boxes become ellipsoids (section IV), which join the map (section V).
+    /// Ellipsoids join the map. Liao et al. 2020, section V.
     fn keyframe(
         &mut self,
-        moment: Moment,
-        detections: Vec<Detection>,
+        (stamp, odom_from_base, odometry_covariance): (Stamp, &Pose, Option<Box<[f64; 36]>>),
+        look: Look,
         update: &mut Update,
-        observer: &mut dyn StageObserver,
-    ) -> Result<Keyframe, Dropped> {
-        let stamp = moment.depth.stamp;
-        let odom_from_camera = moment.odom_from_base * moment.base_from_camera;
-        let up_in_camera = odom_from_camera.rotation.inverse() * Vector3::z_axis();
-
-        observer.enter(Some(Stage::Registration));
-        let depth = self.depth_in_color(moment.depth, &moment.color, moment.registration)?;
-        let rays = rays_of(&mut self.color_rays, &moment.color.camera);
-        let frame = Frame::new(&depth, rays, &up_in_camera, self.settings.depth_noise);
-        let estimate = estimate_frame(&frame, &detections, &self.settings.perception, observer);
-
-        observer.enter(Some(Stage::Mapping));
-        let camera = &moment.color.camera;
+    ) -> Keyframe {
+        let Look { base_from_camera, camera, depth, detections, estimate } = look;
         let found = estimate.objects.iter().zip(&estimate.glimpses);
         let seen = detections.iter().zip(found).map(|(detection, (found, glimpse))| Observation {
             labels: detection.hypotheses().to_vec(),
@@ -222,23 +214,23 @@ impl ObjectSlam {
             sides: observed_box(
                 detection,
                 found.as_ref().ok(),
-                (camera, &moment.base_from_camera),
+                (&camera, &base_from_camera),
                 &self.settings.slam,
             ),
             measured: match (found, glimpse) {
-                (Ok(measured), _) => Some(in_base(measured, &moment.base_from_camera)),
-                (Err(_), Some(glimpse)) => Some(glimpsed(glimpse, &moment.base_from_camera)),
+                (Ok(measured), _) => Some(in_base(measured, &base_from_camera)),
+                (Err(_), Some(glimpse)) => Some(glimpsed(glimpse, &base_from_camera)),
                 (Err(_), None) => None,
             },
         });
         let sighted = self.map.observe(&Sighting {
             stamp,
-            odom_from_base: moment.odom_from_base,
-            odometry_covariance: moment.odometry_covariance,
+            odom_from_base: *odom_from_base,
+            odometry_covariance,
             observations: seen.collect(),
             view: Some(View {
-                base_from_camera: moment.base_from_camera,
-                camera,
+                base_from_camera,
+                camera: &camera,
                 depth: &depth,
                 noise: self.settings.depth_noise,
                 max_range_m: self.settings.perception.segmentation.max_range_m,
@@ -246,7 +238,7 @@ impl ObjectSlam {
         });
         update.changes.extend(sighted.changes);
         update.dropped.extend(sighted.refused.map(|why| Dropped { stamp, reason: "graph", why }));
-        let map_from_camera = self.map.map_from_odom() * odom_from_camera;
+        let map_from_camera = self.map.map_from_odom() * (odom_from_base * base_from_camera);
         let boxes = detections
             .into_iter()
             .zip(estimate.objects)
@@ -259,45 +251,8 @@ impl ObjectSlam {
             .iter()
             .map(|p| camera_height_m - p.plane.offset / p.plane.normal.z)
             .collect();
-        Ok(Keyframe { stamp, map_from_camera, boxes, support_heights_m })
+        Keyframe { stamp, map_from_camera, boxes, support_heights_m }
     }
-
-    /// Depth as the colour camera sees it, whose image the boxes live in.
-    fn depth_in_color(
-        &mut self,
-        depth: DepthMessage,
-        color: &CameraMessage,
-        registration: Option<(CameraMessage, Pose)>,
-    ) -> Result<DepthImage, Dropped> {
-        let (size, owner) = match &registration {
-            Some((camera, _)) => (&camera.camera, &camera.frame_id),
-            None => (&color.camera, &color.frame_id),
-        };
-        if (depth.image.width(), depth.image.height()) != (size.width(), size.height()) {
-            return Err(Dropped {
-                stamp: depth.stamp,
-                reason: "size_mismatch",
-                why: format!(
-                    "the depth image is {}x{}, the camera info of \"{owner}\" says {}x{}",
-                    depth.image.width(),
-                    depth.image.height(),
-                    size.width(),
-                    size.height()
-                ),
-            });
-        }
-        let Some((camera, color_from_depth)) = registration else { return Ok(depth.image) };
-        let rays = rays_of(&mut self.depth_rays, &camera.camera);
-        Ok(register_depth(&depth.image, rays, &color.camera, &color_from_depth))
-    }
-}
-
-/// The rays of a camera, computed anew only when the calibration changes.
-fn rays_of<'a>(cache: &'a mut Option<Rays>, camera: &Camera) -> &'a Rays {
-    if cache.as_ref().is_some_and(|rays| rays.camera() != camera) {
-        *cache = None;
-    }
-    cache.get_or_insert_with(|| Rays::new(camera.clone()))
 }
 
 /// A measurement in the frame of the base. Liao et al. 2020, eq. (12).

@@ -15,7 +15,7 @@ pub(super) enum Work {
     Command(Command),
 }
 
-/// A queue between the subscriptions and the worker.
+/// A queue between the subscriptions and perception.
 pub(super) struct Inbox {
     state: Mutex<State>,
     arrived: Condvar,

@@ -1,8 +1,9 @@
 //! ROS 2, live: topics in, the core, topics out. An adapter: it converts, calls and publishes.
 //!
-//! One thread owns the core (`worker.rs`). Everything else runs on one asynchronous thread: subscriptions put what
-//! they receive into the worker's inbox, which drops the oldest depth image when it is full; timers broadcast
-//! `map → odom` and diagnostics; services hand commands to the worker.
+//! One thread perceives (`perceiver.rs`), another owns the map (`worker.rs`): what takes long, as closing a loop or
+//! recognising a place, delays the map and never perception. Everything else runs on one asynchronous thread:
+//! subscriptions put what they receive into an inbox, which drops the oldest depth image when it is full; timers
+//! broadcast `map → odom` and diagnostics; commands of services go the way of messages, so that they keep their turn.
 //!
 //! ros2-client's spinner is not used: it answers parameter services without descriptions and ranges, and what it
 //! would tell of publishers is in discovery's own tables (`discovery.rs`).
@@ -18,6 +19,7 @@ mod node;
 mod outputs;
 mod parameters;
 mod participant;
+mod perceiver;
 mod player;
 mod problems;
 mod qos;

@@ -10,6 +10,7 @@ use super::{
     outputs::Outputs,
     parameters::Live,
     participant::{DdsDomain, DomainError},
+    perceiver::{MOST_JOBS, Perceiver},
     problems::Problems,
     qos,
     rosout::LogLines,
@@ -22,10 +23,15 @@ use super::{
 };
 use crate::{
     config::{NodeSettings, Parameters, RosArguments},
-    pipeline::ObjectSlam,
+    pipeline::{FrontEnd, ObjectSlam},
 };
 use ros2_client::{Context, Node, NodeOptions};
-use std::{fmt::Display, io, sync::Arc, thread};
+use std::{
+    fmt::Display,
+    io,
+    sync::{Arc, mpsc},
+    thread,
+};
 use thiserror::Error;
 use tokio::{
     runtime,
@@ -132,14 +138,16 @@ impl Start<'_> {
         let (correction, corrected) = watch::channel(None);
         let color = ColorImages::default();
         let own = parameters.node.clone();
+        let (give, jobs) = mpsc::sync_channel(MOST_JOBS);
+        let front_end = FrontEnd::new(parameters.slam.clone());
+        let perceiver = Perceiver::new(front_end, Arc::clone(&inbox), give);
         let worker = Worker {
             slam: ObjectSlam::new(parameters.slam.clone()),
             parameters,
             outputs: Outputs::create(self.ends(), arguments, &own, correction, color.clone())?,
-            inbox: Arc::clone(&inbox),
+            jobs,
             status: status.clone(),
             files,
-            paused: false,
         };
         let tf = self.ends().publisher(&arguments.resolve("/tf"), qos::tf())?;
         self.tasks.spawn_local(broadcast(tf, corrected, status.clone(), live.watch()));
@@ -150,6 +158,7 @@ impl Start<'_> {
         }
         let listening = self.subscriptions(&own, &inbox, &status, color)?;
         self.diagnostics(listening, &inbox, &status)?;
+        thread::Builder::new().name("perception".into()).spawn(move || perceiver.run())?;
         let (ends, ended) = oneshot::channel();
         let worker = thread::Builder::new().name("slam".into()).spawn(move || {
             // Dropped when the worker ends, however it ends.

@@ -1,21 +1,20 @@
 //! The one thread that owns the core.
 
 use super::{
-    inbox::{Inbox, Work},
     outputs::Outputs,
+    perceiver::Job,
     status::{Shared, now},
 };
 use crate::{
     config::Parameters,
     mapping::SavedMap,
     msg::ellipsoid_slam::{QueryObjectsRequest, QueryObjectsResponse},
-    perception::{Stage, StageObserver},
     pipeline::{ObjectSlam, Update},
     time::Stamp,
 };
 use std::{
     path::{Path, PathBuf},
-    sync::Arc,
+    sync::mpsc::Receiver,
     time::Duration,
 };
 use tokio::sync::oneshot;
@@ -59,32 +58,30 @@ pub(super) struct Worker {
     pub(super) slam: ObjectSlam,
     pub(super) parameters: Parameters,
     pub(super) outputs: Outputs,
-    pub(super) inbox: Arc<Inbox>,
+    pub(super) jobs: Receiver<Job>,
     pub(super) status: Shared,
     pub(super) files: MapFiles,
-    pub(super) paused: bool,
 }
 
 impl Worker {
-    /// Works until the inbox is closed and empty; saves the map then, if a parameter says so.
+    /// Works until nothing more is perceived; saves the map then, if a parameter says so.
     pub(super) fn run(mut self) {
         if let Some(saved) = self.files.at_start.take() {
             self.begin_with(saved);
         }
-        while let Some(work) = self.inbox.take() {
-            match work {
-                Work::Input(_) if self.paused => (),
-                Work::Input(input) => {
+        while let Ok(job) = self.jobs.recv() {
+            match job {
+                Job::Hear(input) => self.outputs.hear(&input),
+                Job::Join(perceived, perceiving) => {
                     let started = now();
-                    self.outputs.hear(&input);
-                    let update = self.slam.handle(input, &mut Unobserved);
+                    let update = self.slam.join(perceived, &mut ());
                     self.outputs.publish(&update, &self.slam);
-                    self.status.worked(&update, &self.slam, now() - started);
+                    self.status.worked(&update, &self.slam, perceiving + (now() - started));
                 }
-                Work::Command(command) => self.obey(command),
+                Job::Obey(command) => self.obey(command),
             }
         }
-        let update = self.slam.finish(&mut Unobserved);
+        let update = self.slam.finish(&mut ());
         self.outputs.publish(&update, &self.slam);
         self.outputs.finish(&self.slam);
         if self.parameters.node.map.save_on_shutdown {
@@ -99,7 +96,6 @@ impl Worker {
         let (answer, outcome) = match command {
             Command::Reset(answer) => (answer, self.reset()),
             Command::Pause(paused, answer) => {
-                self.paused = paused;
                 self.status.lock().paused = paused;
                 let said = if paused { "paused" } else { "going on" };
                 (answer, Ok(said.into()))
@@ -189,10 +185,3 @@ impl Worker {
 
 /// Beside the loaded map, as `replay` names it.
 const LOCAL_MAP: &str = "local_map.json";
-
-/// Nobody times the stages here: diagnostics have the time of whole keyframes.
-struct Unobserved;
-
-impl StageObserver for Unobserved {
-    fn enter(&mut self, _: Option<Stage>) {}
-}

@@ -189,6 +189,11 @@ impl Simulation {
         &self.trajectory.world_from_base
     }
 
+    /// What odometry says, one reading a frame.
+    pub fn odometry(&self) -> &[OdometryReading] {
+        &self.odometry
+    }
+
     /// The true objects where they are at the end, none of them observed yet.
     pub fn ground_truth(&self) -> GroundTruth {
         let objects = self.scene().objects.iter().map(TrueObject::new).collect();

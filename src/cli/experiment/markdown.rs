@@ -54,7 +54,7 @@ fn head(results: &Results, command: &str) -> String {
          have none. IoU: of the oriented boxes where they stand.\n\
          - found: objects with an estimate of those that count, over all seeds. Errors are means over the objects found.\n\
          - id switches: how often an object is joined to another object of the map than the time before. in 90 % region: share \
-         of the objects inside the region that their covariance claims to hold 90 %.\n\
+         of the objects inside the region that their covariance claims to hold 90 %; of the last pose: share of the runs.\n\
          - A box is near the border within {BORDER_PX} px; the detector is sure of a box above {SURE}, where the paper takes \
          YOLO's 0.95: the simulated detector gives large objects 0.90 ± 0.06 and small ones less.\n",
         results.seeds_in_words(),

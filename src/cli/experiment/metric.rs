@@ -16,6 +16,7 @@ pub(super) enum Metric {
     Duplicates,
     IdSwitchesPer200,
     Within90,
+    PoseWithin90,
     AteM,
     OdometryAteM,
     AteShare,
@@ -35,6 +36,7 @@ impl Metric {
             Self::Duplicates => "duplicates",
             Self::IdSwitchesPer200 => "id switches in 200",
             Self::Within90 => "in 90 % region",
+            Self::PoseWithin90 => "last pose in 90 % region",
             Self::AteM => "ATE (m)",
             Self::OdometryAteM => "odometry's ATE (m)",
             Self::AteShare => "ATE of odometry's",
@@ -45,13 +47,20 @@ impl Metric {
     pub(super) fn decimals(self) -> usize {
         match self {
             Self::RotationDeg | Self::Duplicates | Self::IdSwitchesPer200 => 1,
-            Self::Recall | Self::Precision | Self::Within90 | Self::AteShare => 2,
+            Self::Recall
+            | Self::Precision
+            | Self::Within90
+            | Self::PoseWithin90
+            | Self::AteShare => 2,
             _ => 3,
         }
     }
 
     /// Whether less of it is better.
     pub(super) fn is_error(self) -> bool {
-        !matches!(self, Self::Iou | Self::Recall | Self::Precision | Self::Within90)
+        !matches!(
+            self,
+            Self::Iou | Self::Recall | Self::Precision | Self::Within90 | Self::PoseWithin90
+        )
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     plan::SEQUENCES,
-    protocol::{Poses, Protocol},
+    protocol::{Poses, Protocol, STRETCH},
 };
 use crate::{
     cli::{
@@ -148,25 +148,31 @@ struct RenderedFrame {
     detections: Vec<Detection>,
     world_from_base: Pose,
     odometry: OdometryReading,
+    /// With [`STRETCH`].
+    stretched: OdometryReading,
 }
 
 impl Sequence {
     /// Renders the sequence that a seed draws, with as many frames as asked for or as suit the trajectory.
     pub(super) fn rendered(&self, seed: u64, frames: Option<usize>) -> anyhow::Result<Rendered> {
-        let simulation = Simulation::new(SimulationSettings {
+        let mut settings = SimulationSettings {
             scene: self.scene,
             trajectory: self.trajectory,
             seed,
             frames: frames.unwrap_or(0),
             odometry: self.drift.settings(),
             ..SimulationSettings::default()
-        })?;
+        };
+        let simulation = Simulation::new(settings.clone())?;
+        settings.odometry.scale_bias = STRETCH;
+        let stretched = Simulation::new(settings)?;
         let mut truth = simulation.ground_truth();
         let mut frames = Vec::with_capacity(simulation.frame_count());
         // One after the other: each is rendered on all cores, and its colours are dropped before the next.
         for frame in simulation.frames() {
             truth.observe(&frame);
-            frames.push(kept(frame, simulation.camera())?);
+            let stretched = stretched.odometry()[frame.index].clone();
+            frames.push(kept(frame, stretched, simulation.camera())?);
         }
         Ok(Rendered {
             camera: simulation.camera().clone(),
@@ -177,7 +183,11 @@ impl Sequence {
     }
 }
 
-fn kept(frame: SimulatedFrame, camera: &Camera) -> anyhow::Result<RenderedFrame> {
+fn kept(
+    frame: SimulatedFrame,
+    stretched: OdometryReading,
+    camera: &Camera,
+) -> anyhow::Result<RenderedFrame> {
     let detections = frame.detections.iter().map(|d| {
         let hypotheses = d.hypotheses.iter().map(|(label, p)| ((*label).to_owned(), *p));
         let mut detection = Detection::new(d.rect, hypotheses.collect())?;
@@ -190,6 +200,7 @@ fn kept(frame: SimulatedFrame, camera: &Camera) -> anyhow::Result<RenderedFrame>
         depth: DepthImage::new(camera.width(), camera.height(), frame.depth_m)?,
         world_from_base: frame.world_from_base,
         odometry: frame.odometry,
+        stretched,
     })
 }
 
@@ -275,9 +286,11 @@ impl Rendered {
 }
 
 fn odometry(frame: &RenderedFrame, poses: Poses) -> OdometryMessage {
+    let of = |reading: &OdometryReading| (reading.odom_from_base, reading.covariance);
     let (odom_from_base, covariance) = match poses {
         Poses::True => (frame.world_from_base, EXACT),
-        Poses::Drifting => (frame.odometry.odom_from_base, frame.odometry.covariance),
+        Poses::Drifting => of(&frame.odometry),
+        Poses::Stretched => of(&frame.stretched),
     };
     OdometryMessage {
         stamp: frame.stamp,

@@ -12,18 +12,12 @@ pub struct PosePrior {
     variables: [VariableId; 1],
     prior: Pose,
     noise: Noise<6>,
-    kernel: Kernel,
 }
 
 impl PosePrior {
     /// `noise` is that of `[rotation, translation]` (rad, m), a right perturbation.
     pub fn new(pose: PoseId, prior: Pose, noise: Noise<6>) -> Self {
-        Self { variables: [pose.into()], prior, noise, kernel: Kernel::Quadratic }
-    }
-
-    /// The same with a robust kernel.
-    pub fn with_kernel(self, kernel: Kernel) -> Self {
-        Self { kernel, ..self }
+        Self { variables: [pose.into()], prior, noise }
     }
 
     fn difference(&self, at: &[Variable]) -> Vector6<f64> {
@@ -49,10 +43,6 @@ impl Factor for PosePrior {
 
     fn move_map(&mut self, new_from_old: &Pose) {
         self.prior = new_from_old * self.prior;
-    }
-
-    fn kernel(&self) -> Kernel {
-        self.kernel
     }
 }
 

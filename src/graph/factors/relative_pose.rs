@@ -2,7 +2,7 @@
 
 use crate::{
     geometry::{Pose, adjoint, log, log_derivative},
-    graph::{Factor, Kernel, Linearization, Noise, PoseId, Variable, VariableId},
+    graph::{Factor, Linearization, Noise, PoseId, Variable, VariableId},
 };
 use nalgebra::{DVector, SMatrix, Vector6};
 
@@ -13,7 +13,6 @@ pub struct RelativePose {
     /// `j_from_i` of the measurement.
     measured_inverse: Pose,
     noise: Noise<6>,
-    kernel: Kernel,
 }
 
 impl RelativePose {
@@ -24,13 +23,7 @@ impl RelativePose {
             variables: [from.into(), to.into()],
             measured_inverse: from_from_to.inverse(),
             noise,
-            kernel: Kernel::Quadratic,
         }
-    }
-
-    /// The same with a robust kernel.
-    pub fn with_kernel(self, kernel: Kernel) -> Self {
-        Self { kernel, ..self }
     }
 
     /// `x_i^-1 x_j` and the error of the measurement.
@@ -59,9 +52,5 @@ impl Factor for RelativePose {
         jacobian.fixed_view_mut::<6, 6>(0, 0).copy_from(&by_from);
         jacobian.fixed_view_mut::<6, 6>(0, 6).copy_from(&by_to);
         Linearization::new(&self.noise.whiten(&error), &jacobian)
-    }
-
-    fn kernel(&self) -> Kernel {
-        self.kernel
     }
 }

@@ -1,6 +1,6 @@
 //! Things that stand upright.
 
-use crate::graph::{Factor, Kernel, Linearization, NoiseError, Variable, VariableId};
+use crate::graph::{Factor, Linearization, NoiseError, Variable, VariableId};
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 
 /// The z axis of an object or a pose points up in the map: `r` = horizontal part of `R e_z`, over sigma.
@@ -11,7 +11,6 @@ use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 pub struct Upright {
     variables: [VariableId; 1],
     inverse_sigma: f64,
-    kernel: Kernel,
 }
 
 impl Upright {
@@ -21,12 +20,7 @@ impl Upright {
     /// When sigma is not a positive number.
     pub fn new(variable: impl Into<VariableId>, sigma_rad: f64) -> Result<Self, NoiseError> {
         let inverse_sigma = NoiseError::inverse_of_sigma(0, sigma_rad)?;
-        Ok(Self { variables: [variable.into()], inverse_sigma, kernel: Kernel::Quadratic })
-    }
-
-    /// The same with a robust kernel.
-    pub fn with_kernel(self, kernel: Kernel) -> Self {
-        Self { kernel, ..self }
+        Ok(Self { variables: [variable.into()], inverse_sigma })
     }
 
     fn whitened(&self, at: &[Variable]) -> Vector2<f64> {
@@ -52,9 +46,5 @@ impl Factor for Upright {
             jacobian[(row, 1)] = rotation[(row, 0)] * self.inverse_sigma;
         }
         Linearization { residual: self.residual(at), jacobian }
-    }
-
-    fn kernel(&self) -> Kernel {
-        self.kernel
     }
 }

@@ -43,19 +43,6 @@ fn huber_has_no_step_where_it_changes() {
     assert!((kernel.weight(outside) - kernel.weight(inside)).abs() < 1e-8);
 }
 
-#[test]
-fn settings_read_well() {
-    for (kernel, text) in [
-        (Kernel::Quadratic, r#""quadratic""#),
-        (Kernel::Huber(3.0), r#"{"huber":3.0}"#),
-        (Kernel::Cauchy(2.0), r#"{"cauchy":2.0}"#),
-        (Kernel::GemanMcClure(2.0), r#"{"geman_mcclure":2.0}"#),
-    ] {
-        assert_eq!(serde_json::to_string(&kernel).unwrap(), text);
-        assert_eq!(serde_json::from_str::<Kernel>(text).unwrap(), kernel);
-    }
-}
-
 proptest! {
     #[test]
     fn no_residual_costs_nothing(kernel in kernels()) {

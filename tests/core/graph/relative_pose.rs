@@ -3,7 +3,7 @@ use crate::geometry::{ellipsoids, poses};
 use ellipsoid_slam::{
     geometry::{Pose, pose_from_xyzw},
     graph::{
-        EllipsoidPrior, Factor, Kernel, Noise, PosePrior, RelativePose,
+        EllipsoidPrior, Factor, Noise, PosePrior, RelativePose,
         Variable::{Ellipsoid as Body, Pose as Place},
     },
 };
@@ -41,14 +41,6 @@ fn driving_too_far_is_a_positive_error() {
     let factor = RelativePose::new(ids().0, ids().1, &measured, noise);
     let at = [Place(Pose::identity()), Place(Pose::translation(2.0, 0.0, 0.0))];
     assert_eq!(factor.residual(&at).as_slice(), [0.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
-}
-
-#[test]
-fn it_is_quadratic_until_told_otherwise() {
-    let noise = Noise::from_sigmas([0.1; 6]).unwrap();
-    let factor = RelativePose::new(ids().0, ids().1, &Pose::identity(), noise);
-    assert_eq!(factor.kernel(), Kernel::Quadratic);
-    assert_eq!(factor.with_kernel(Kernel::Cauchy(2.0)).kernel(), Kernel::Cauchy(2.0));
 }
 
 proptest! {

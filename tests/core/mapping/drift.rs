@@ -48,8 +48,9 @@ fn long_drive(seed: u64, wrong: f64, slam: SlamSettings, count: usize) -> Drive 
             let noise = SVector::<f64, 9>::from_fn(|i, _| sigmas[i] * normal(&mut rng));
             let seen = seen.retract(&noise);
             let covariance = independent(&seen, 0.03, 0.02, 0.02);
-            let is_wrong = rng.random_bool(wrong);
-            let track = (i + usize::from(is_wrong)) as u64 % 6;
+            let other = rng.random_range(1..cabinets.len());
+            let by = if rng.random_bool(wrong) { other } else { 0 };
+            let track = ((i + by) % cabinets.len()) as u64;
             let seen = observation("cabinet", seen, covariance);
             observations.push(Observation { track: Some(track), ..seen });
         }
@@ -120,10 +121,14 @@ fn poses_that_are_given_stay_as_they_are() {
 #[test]
 fn a_fifth_of_wrong_associations_does_little_harm() {
     let over = |wrong: f64| {
-        (0..6).map(|seed| drive(seed, wrong, SlamSettings::default()).object_error()).sum::<f64>()
+        let drives: Vec<Drive> =
+            (0..6).map(|seed| drive(seed, wrong, SlamSettings::default())).collect();
+        let mean = |of: &dyn Fn(&Drive) -> f64| drives.iter().map(of).sum::<f64>() / 6.0;
+        (mean(&Drive::object_error), mean(&|drive| drive.errors().0))
     };
-    let (clean, spoiled) = (over(0.0) / 6.0, over(0.2) / 6.0);
-    assert!(spoiled < 1.5 * clean + 0.01, "{spoiled} m with wrong associations, {clean} m without");
+    let (clean, spoiled) = (over(0.0), over(0.2));
+    println!("error of objects and poses: {clean:?} m, with wrong associations {spoiled:?} m");
+    assert!(spoiled.0 < 1.5 * clean.0 && spoiled.1 < 1.5 * clean.1, "{spoiled:?} m, {clean:?} m");
 }
 
 #[test]

@@ -1,60 +1,66 @@
 //! A whole run past a table, with real depth images.
 
-use super::{Run, at, boxes_with, camera_info, odometry_at, transform};
+use super::{Run, add, at, boxes_with, camera_info, odometry_at, transform};
 use crate::scene::{Scene, camera, detection, looking, standing};
 use ellipsoid_slam::{
     geometry::{Pose, intersection_over_union},
     mapping::MapObject,
-    pipeline::{CameraRole, DepthMessage, Input, Settings},
+    pipeline::{
+        CameraRole, DepthMessage, FrontEnd, Input, ObjectSlam, Perceived, Settings, Update,
+    },
 };
 use nalgebra::Vector3;
 
+/// Past a table with a keyboard and a cabinet on the floor, looking to the left and down.
 struct Passage {
-    run: Run,
     scene: Scene,
     keyboard: usize,
     cabinet: usize,
+    inputs: Vec<Input>,
 }
 
-/// Past a table with a keyboard and a cabinet on the floor, looking to the left and down.
-fn passage() -> Passage {
-    let mut scene = Scene::with_floor();
-    scene.add(standing(0.0, [0.8, 1.5, 0.735], [0.6, 0.35, 0.015]));
-    let keyboard = scene.add(standing(0.2, [0.7, 1.4, 0.765], [0.22, 0.075, 0.015]));
-    let cabinet = scene.add(standing(-0.4, [2.2, 1.7, 0.35], [0.3, 0.2, 0.35]));
-    let base_from_camera = looking([0.0, 0.0, 1.3], 1.3, 30.0);
-    let mut run = Run::new(Settings::default());
-    run.feed([
-        camera_info(CameraRole::Color, "camera", camera()),
-        transform(true, 0, ["base_link", "camera"], base_from_camera),
-    ]);
-    for i in 0..9 {
-        let ms = 200 * i64::from(i);
-        let odom_from_base = Pose::translation(0.2 * f64::from(i), 0.0, 0.0);
-        let seed = Some(i as u64);
-        let view = scene.seen_with(&(odom_from_base * base_from_camera), seed);
-        let mut detections = Vec::new();
-        for (label, thing) in [("keyboard", keyboard), ("cabinet", cabinet)] {
-            detections.extend(view.try_box_around(thing).map(|rect| detection(label, rect)));
+impl Passage {
+    fn new() -> Self {
+        let mut scene = Scene::with_floor();
+        scene.add(standing(0.0, [0.8, 1.5, 0.735], [0.6, 0.35, 0.015]));
+        let keyboard = scene.add(standing(0.2, [0.7, 1.4, 0.765], [0.22, 0.075, 0.015]));
+        let cabinet = scene.add(standing(-0.4, [2.2, 1.7, 0.35], [0.3, 0.2, 0.35]));
+        let base_from_camera = looking([0.0, 0.0, 1.3], 1.3, 30.0);
+        let mut inputs = vec![
+            camera_info(CameraRole::Color, "camera", camera()),
+            transform(true, 0, ["base_link", "camera"], base_from_camera),
+        ];
+        for i in 0..9 {
+            let ms = 200 * i64::from(i);
+            let odom_from_base = Pose::translation(0.2 * f64::from(i), 0.0, 0.0);
+            let view = scene.seen_with(&(odom_from_base * base_from_camera), Some(i as u64));
+            let mut detections = Vec::new();
+            for (label, thing) in [("keyboard", keyboard), ("cabinet", cabinet)] {
+                detections.extend(view.try_box_around(thing).map(|rect| detection(label, rect)));
+            }
+            let (stamp, frame_id) = (at(ms), "camera".into());
+            inputs.extend([
+                odometry_at(ms, odom_from_base),
+                Input::Depth(DepthMessage { stamp, frame_id, image: view.depth }),
+                boxes_with(ms, detections),
+            ]);
         }
-        run.feed([
-            odometry_at(ms, odom_from_base),
-            Input::Depth(DepthMessage {
-                stamp: at(ms),
-                frame_id: "camera".into(),
-                image: view.depth,
-            }),
-            boxes_with(ms, detections),
-        ]);
+        Self { scene, keyboard, cabinet, inputs }
     }
-    run.finish();
-    Passage { run, scene, keyboard, cabinet }
+
+    fn run(&self) -> Run {
+        let mut run = Run::new(Settings::default());
+        run.feed(self.inputs.clone());
+        run.finish();
+        run
+    }
 }
 
 #[test]
 fn a_drive_past_two_things_gives_a_map_of_two() {
-    let passage = passage();
-    let objects: Vec<&MapObject> = passage.run.slam.objects().collect();
+    let passage = Passage::new();
+    let run = passage.run();
+    let objects: Vec<&MapObject> = run.slam.objects().collect();
     let mut labels: Vec<&str> = objects.iter().map(|o| o.label()).collect();
     labels.sort_unstable();
     assert_eq!(labels, ["cabinet", "keyboard"]);
@@ -76,9 +82,53 @@ fn a_drive_past_two_things_gives_a_map_of_two() {
     }
 }
 
+fn text(total: &Update, slam: &ObjectSlam) -> String {
+    format!("{total:?}{:?}", slam.objects().collect::<Vec<_>>())
+}
+
 #[test]
 fn two_runs_are_the_same_bit_by_bit() {
-    let text =
-        |p: &Passage| format!("{:?}{:?}", p.run.total, p.run.slam.objects().collect::<Vec<_>>());
-    assert_eq!(text(&passage()), text(&passage()));
+    let run = || {
+        let run = Passage::new().run();
+        text(&run.total, &run.slam)
+    };
+    assert_eq!(run(), run());
+}
+
+/// However far ahead of the map: an image never waits for the graph, and nothing else comes out.
+#[test]
+fn a_front_end_that_runs_ahead_changes_nothing() {
+    let passage = Passage::new();
+    let mut front_end = FrontEnd::new(Settings::default());
+    let mut perceived: Vec<Perceived> =
+        passage.inputs.iter().map(|input| front_end.take(input.clone(), &mut ())).collect();
+    perceived.push(front_end.finish(&mut ()));
+
+    let mut slam = ObjectSlam::new(Settings::default());
+    let mut total = Update::default();
+    for perceived in perceived {
+        add(&mut total, &slam.join(perceived, &mut ()));
+    }
+    add(&mut total, &slam.finish(&mut ()));
+    let together = passage.run();
+    assert_eq!(total.keyframes.len(), 9);
+    assert_eq!(text(&total, &slam), text(&together.total, &together.slam));
+}
+
+/// As after a reset of the node: calibrations and static transforms are said only once.
+#[test]
+fn a_front_end_serves_the_next_map_too() {
+    let passage = Passage::new();
+    let mut front_end = FrontEnd::new(Settings::default());
+    let mut of_half = |inputs: &[Input]| {
+        let mut slam = ObjectSlam::new(Settings::default());
+        let mut total = Update::default();
+        for input in inputs {
+            add(&mut total, &slam.join(front_end.take(input.clone(), &mut ()), &mut ()));
+        }
+        (total.keyframes.len(), total.dropped, slam.frames() == ("odom", "base_link"))
+    };
+    let (first, second) = passage.inputs.split_at(2 + 3 * 4);
+    assert_eq!(of_half(first), (4, Vec::new(), true));
+    assert_eq!(of_half(second), (5, Vec::new(), true));
 }

@@ -1,0 +1,172 @@
+//! What needs no map: pairing of messages, and what single images show.
+
+use super::{
+    CameraMessage, DepthMessage, Dropped, Input, Settings,
+    sync::{Moment, Sync},
+};
+use crate::{
+    geometry::{Camera, Pose},
+    perception::{
+        DepthImage, Detection, Frame, FrameEstimate, Rays, Stage, StageObserver, estimate_frame,
+        register_depth,
+    },
+    time::Stamp,
+};
+use nalgebra::Vector3;
+
+/// The first half of the method. It learns nothing from the map, so it can run ahead of [`ObjectSlam::join`] on a
+/// thread of its own: what comes out is the same.
+///
+/// [`ObjectSlam::join`]: super::ObjectSlam::join
+#[derive(Debug)]
+pub struct FrontEnd {
+    settings: Settings,
+    sync: Sync,
+    color_rays: Option<Rays>,
+    depth_rays: Option<Rays>,
+}
+
+/// What a message made possible; often nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Perceived {
+    pub(super) frames: Vec<PerceivedFrame>,
+    pub(super) dropped: Vec<Dropped>,
+}
+
+/// One depth image, settled.
+#[derive(Clone, Debug)]
+pub(super) struct PerceivedFrame {
+    pub(super) stamp: Stamp,
+    pub(super) odom_frame: String,
+    pub(super) base_frame: String,
+    pub(super) odom_from_base: Pose,
+    pub(super) odometry_covariance: Option<Box<[f64; 36]>>,
+    /// Nothing if the detector did not look at the image, or it cannot be used.
+    pub(super) look: Option<Look>,
+}
+
+/// What an image shows.
+#[derive(Clone, Debug)]
+pub(super) struct Look {
+    pub(super) base_from_camera: Pose,
+    /// Of boxes and depth.
+    pub(super) camera: Camera,
+    pub(super) depth: DepthImage,
+    pub(super) detections: Vec<Detection>,
+    pub(super) estimate: FrameEstimate,
+}
+
+impl Perceived {
+    /// Whether there is nothing to join.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty() && self.dropped.is_empty()
+    }
+}
+
+impl FrontEnd {
+    /// Nothing has come yet.
+    pub fn new(settings: Settings) -> Self {
+        let sync = Sync::new(settings.sync.clone());
+        Self { settings, sync, color_rays: None, depth_rays: None }
+    }
+
+    /// From now on these settings count.
+    pub fn change_settings(&mut self, settings: Settings) {
+        self.sync.change_settings(settings.sync.clone());
+        self.settings = settings;
+    }
+
+    /// Takes one message and perceives what it settles.
+    pub fn take(&mut self, input: Input, observer: &mut dyn StageObserver) -> Perceived {
+        let mut perceived = Perceived::default();
+        self.sync.push(input, &mut perceived.dropped);
+        self.work(false, &mut perceived, observer);
+        self.sync.drop_stale_boxes(&mut perceived.dropped);
+        perceived
+    }
+
+    /// Works off what is still waiting: nothing more will come.
+    pub fn finish(&mut self, observer: &mut dyn StageObserver) -> Perceived {
+        let mut perceived = Perceived::default();
+        self.work(true, &mut perceived, observer);
+        perceived.dropped.extend(self.sync.leftovers());
+        perceived
+    }
+
+    fn work(&mut self, last: bool, perceived: &mut Perceived, observer: &mut dyn StageObserver) {
+        while let Some(mut moment) = self.sync.next(last, &mut perceived.dropped) {
+            let (odom_frame, base_frame) = self.sync.frames();
+            let mut frame = PerceivedFrame {
+                stamp: moment.depth.stamp,
+                odom_frame: odom_frame.to_owned(),
+                base_frame: base_frame.to_owned(),
+                odom_from_base: moment.odom_from_base,
+                odometry_covariance: moment.odometry_covariance.take(),
+                look: None,
+            };
+            if let Some(detections) = moment.detections.take() {
+                match self.look(moment, detections, observer) {
+                    Ok(look) => frame.look = Some(look),
+                    Err(dropped) => perceived.dropped.push(dropped),
+                }
+                observer.enter(None);
+            }
+            perceived.frames.push(frame);
+        }
+    }
+
+    /// Depth and boxes become ellipsoids. Liao et al. 2020, section IV.
+    fn look(
+        &mut self,
+        moment: Moment,
+        detections: Vec<Detection>,
+        observer: &mut dyn StageObserver,
+    ) -> Result<Look, Dropped> {
+        let odom_from_camera = moment.odom_from_base * moment.base_from_camera;
+        let up_in_camera = odom_from_camera.rotation.inverse() * Vector3::z_axis();
+        observer.enter(Some(Stage::Registration));
+        let depth = self.depth_in_color(moment.depth, &moment.color, moment.registration)?;
+        let rays = rays_of(&mut self.color_rays, &moment.color.camera);
+        let frame = Frame::new(&depth, rays, &up_in_camera, self.settings.depth_noise);
+        let estimate = estimate_frame(&frame, &detections, &self.settings.perception, observer);
+        let Moment { color, base_from_camera, .. } = moment;
+        Ok(Look { base_from_camera, camera: color.camera, depth, detections, estimate })
+    }
+
+    /// Depth as the colour camera sees it, whose image the boxes live in.
+    fn depth_in_color(
+        &mut self,
+        depth: DepthMessage,
+        color: &CameraMessage,
+        registration: Option<(CameraMessage, Pose)>,
+    ) -> Result<DepthImage, Dropped> {
+        let (size, owner) = match &registration {
+            Some((camera, _)) => (&camera.camera, &camera.frame_id),
+            None => (&color.camera, &color.frame_id),
+        };
+        if (depth.image.width(), depth.image.height()) != (size.width(), size.height()) {
+            return Err(Dropped {
+                stamp: depth.stamp,
+                reason: "size_mismatch",
+                why: format!(
+                    "the depth image is {}x{}, the camera info of \"{owner}\" says {}x{}",
+                    depth.image.width(),
+                    depth.image.height(),
+                    size.width(),
+                    size.height()
+                ),
+            });
+        }
+        let Some((camera, color_from_depth)) = registration else { return Ok(depth.image) };
+        let rays = rays_of(&mut self.depth_rays, &camera.camera);
+        Ok(register_depth(&depth.image, rays, &color.camera, &color_from_depth))
+    }
+}
+
+/// The rays of a camera, computed anew only when the calibration changes.
+fn rays_of<'a>(cache: &'a mut Option<Rays>, camera: &Camera) -> &'a Rays {
+    if cache.as_ref().is_some_and(|rays| rays.camera() != camera) {
+        *cache = None;
+    }
+    cache.get_or_insert_with(|| Rays::new(camera.clone()))
+}
