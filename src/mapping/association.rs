@@ -222,7 +222,7 @@ impl Evidence<'_> {
                 continue;
             }
             let candidate = Candidate::new(measured, self.step, (self.pose, object), gate);
-            let apart = 0.5 * candidate.squared_distance(self.graph, self.step, object);
+            let apart = candidate.cost(self.graph, self.step, object);
             let seen = observation.rect.as_ref().zip(prospects.get(&at));
             let image = seen.map(|(rect, prospect)| rect.overlap(&prospect.rect));
             let box_cost = image.map_or(NO_BOX_COST, |share| -share.max(LEAST_OVERLAP).ln());

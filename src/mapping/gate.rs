@@ -81,9 +81,10 @@ impl Candidate {
         Self { factor: factor.ok() }
     }
 
-    /// Squared Mahalanobis distance from an object with the joint covariance of pose and object. (Kaess and Dellaert
-    /// 2009, Covariance recovery from a square root information matrix for data association.)
-    pub(super) fn squared_distance(&self, graph: &Graph, step: &Step, object: &MapObject) -> f64 {
+    /// What it costs to be an object: half the squared Mahalanobis distance with the joint covariance of pose and object
+    /// (Kaess and Dellaert 2009, Covariance recovery from a square root information matrix for data association), and more
+    /// for an object that would fit anything because it is hardly known.
+    pub(super) fn cost(&self, graph: &Graph, step: &Step, object: &MapObject) -> f64 {
         let Some(factor) = &self.factor else { return f64::MAX };
         let estimate = graph.ellipsoid(object.variable());
         let at = [Variable::Pose(step.map_from_pose), Variable::Ellipsoid(estimate)];
@@ -100,7 +101,12 @@ impl Candidate {
         let mut innovation = &linear.jacobian * known * linear.jacobian.transpose();
         (0..9).for_each(|i| innovation[(i, i)] += 1.0);
         match innovation.cholesky() {
-            Some(factors) => linear.residual.dot(&factors.solve(&linear.residual)),
+            Some(factors) => {
+                let vagueness =
+                    factors.l_dirty().diagonal().iter().map(|entry| entry.ln()).sum::<f64>();
+                0.5 * linear.residual.dot(&factors.solve(&linear.residual))
+                    + (VAGUENESS_SHARE * vagueness).min(MOST_VAGUENESS)
+            }
             None => f64::MAX,
         }
     }
@@ -124,3 +130,9 @@ pub(super) fn overlap(a: &Ellipsoid, b: &Ellipsoid) -> (f64, f64) {
     let (smaller, sum) = (a.volume().min(b.volume()), a.volume() + b.volume());
     (common / smaller, common / (sum - common))
 }
+
+/// The likelihood of a measurement falls with the root of the innovation's determinant. Half of its logarithm counts, as a
+/// pose that is hardly known makes all objects vague alike,
+const VAGUENESS_SHARE: f64 = 0.5;
+/// and no more than this: a measurement must find an object of which there were only glimpses.
+const MOST_VAGUENESS: f64 = 4.0;
