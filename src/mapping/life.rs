@@ -110,7 +110,11 @@ impl ObjectMap {
             // What nobody knows the place of is not on the map.
             let is_given = self.settings.association == Association::Given;
             let is_placed = object.is_placed() || is_given && !object.is_glimpsed();
-            let needed = if is_placed { needed } else { u32::MAX };
+            let needed = match (is_placed, object.is_glimpsed()) {
+                (true, false) => needed,
+                (true, true) => needed.saturating_add(MORE_GLIMPSES),
+                (false, _) => u32::MAX,
+            };
             if is_given {
                 if object.observations >= needed {
                     object.existence.state = ObjectState::Confirmed;
@@ -234,6 +238,8 @@ const MAX_BESIDE: f64 = 0.1;
 const SAME_PLACE: f64 = 0.4;
 /// Overlap, as a share of both together, of things that are the same.
 const SAME_SPACE: f64 = 0.45;
+/// Glimpses that are needed besides: they are much surer of a place together than one by one.
+const MORE_GLIMPSES: u32 = 2;
 /// Where there are too few glimpses to place an object, they are remembered for so long (s).
 const GLIMPSE_S: f64 = 60.0;
 /// What was moved is as large as it was, up to this factor.

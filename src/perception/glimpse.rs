@@ -15,11 +15,12 @@ pub struct Glimpse {
     pub covariance: SMatrix<f64, 9, 9>,
 }
 
-/// Where an object of the box's class is, going by how large it looks and by the depth in the middle of its box. Nothing
-/// where the image cuts the box.
+/// Where an object of the box's class is, going by how large it looks and by the depth in the middle of its box. What the
+/// image cuts off follows from the usual proportions of its class; nothing where more than a half or more than one side of
+/// it is cut off.
 pub fn glimpse(frame: &Frame<'_>, detection: &Detection, classes: &Classes) -> Option<Glimpse> {
-    let seen = Apparent::new(frame, &detection.rect)?;
     let prior = classes.prior(detection.label());
+    let seen = Apparent::new(frame, &detection.rect, &prior)?;
     let (range_m, sigma_m) = seen.range_m(frame, &detection.rect, &prior);
     Some(seen.glimpse(frame, range_m, sigma_m, &prior))
 }
@@ -36,26 +37,25 @@ struct Apparent {
 }
 
 impl Apparent {
-    fn new(frame: &Frame<'_>, rect: &Rect) -> Option<Self> {
+    fn new(frame: &Frame<'_>, rect: &Rect, prior: &ClassPrior) -> Option<Self> {
         let camera = frame.camera();
-        if !is_whole(rect, camera) {
-            return None;
-        }
-        let (u, v) = rect.center();
+        let (fx, fy) = camera.focal();
+        let whole = completed(rect, camera, prior)?;
+        let (u, v) = whole.center();
         let ray = camera.ray(u, v);
         let (width, height) = (
-            (camera.ray(rect.x_max, v) - camera.ray(rect.x_min, v)).x / ray.norm(),
-            (camera.ray(u, rect.y_max) - camera.ray(u, rect.y_min)).y / ray.norm(),
+            (camera.ray(whole.x_max, v) - camera.ray(whole.x_min, v)).x / ray.norm(),
+            (camera.ray(u, whole.y_max) - camera.ray(u, whole.y_min)).y / ray.norm(),
         );
-        let (fx, fy) = camera.focal();
+        let guessed = [(whole.width() - rect.width()) / fx, (whole.height() - rect.height()) / fy];
+        let sigma = |side: usize, focal: f64, extent: f64| {
+            (SIDE_SIGMA_PX / focal).hypot(SIDE_SIGMA_RATIO * extent).hypot(0.5 * guessed[side])
+        };
         Some(Self {
             direction: frame.level_from_camera() * ray / ray.norm(),
             width,
             height,
-            sigma: [
-                (SIDE_SIGMA_PX / fx).hypot(SIDE_SIGMA_RATIO * width),
-                (SIDE_SIGMA_PX / fy).hypot(SIDE_SIGMA_RATIO * height),
-            ],
+            sigma: [sigma(0, fx, width), sigma(1, fy, height)],
         })
     }
 
@@ -157,11 +157,32 @@ fn readings_m(frame: &Frame<'_>, rect: &Rect) -> Option<f64> {
     Some(ranges[ranges.len() / 4])
 }
 
-/// Whether no side lies at the border of the image.
-fn is_whole(rect: &Rect, camera: &Camera) -> bool {
+/// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
+fn completed(rect: &Rect, camera: &Camera, prior: &ClassPrior) -> Option<Rect> {
     let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
     let distances = [rect.x_min, rect.y_min, right - rect.x_max, bottom - rect.y_max];
-    distances.iter().all(|distance| *distance > BORDER_PX)
+    let cut = distances.map(|distance| distance <= BORDER_PX);
+    let Rect { x_min, y_min, x_max, y_max } = *rect;
+    let tall = |[long, short, high]: [f64; 3]| high / (SEEN_WIDTH * (long * short).sqrt());
+    let by_width = || Some(tall(prior.size_m?) * rect.width());
+    let by_height = || Some(rect.height() / tall(prior.size_m?));
+    let whole = match cut {
+        [false, false, false, false] => Some(*rect),
+        [true, false, false, false] => {
+            Rect::new(x_min.min(x_max - by_height()?), y_min, x_max, y_max)
+        }
+        [false, true, false, false] => {
+            Rect::new(x_min, y_min.min(y_max - by_width()?), x_max, y_max)
+        }
+        [false, false, true, false] => {
+            Rect::new(x_min, y_min, x_max.max(x_min + by_height()?), y_max)
+        }
+        [false, false, false, true] => {
+            Rect::new(x_min, y_min, x_max, y_max.max(y_min + by_width()?))
+        }
+        _ => None,
+    };
+    whole.filter(|whole| whole.area() < 2.0 * rect.area())
 }
 
 /// Standard deviation of a side of a detector's box (px), and as a share of the box.
