@@ -3,7 +3,7 @@
 use super::estimate_with;
 use crate::scene::{Scene, View, camera, detection, looking, standing};
 use ellipsoid_slam::{
-    geometry::Rect,
+    geometry::{Ellipsoid, Rect},
     perception::{
         DepthNoise, Detection, Frame, FrameEstimate, PerceptionSettings, Rays, Refused,
         estimate_frame,
@@ -69,12 +69,24 @@ fn depth_in_the_box_tells_the_range() {
 }
 
 #[test]
-fn nobody_knows_where_the_middle_of_a_cut_box_is() {
+fn what_the_image_cuts_off_has_the_proportions_of_its_class() {
     let (scene, thing) = far_refrigerator();
-    // The image ends at half of it.
-    let view = scene.seen_from(&looking([0.0, 0.0, 1.0], 0.24 - 31.4_f64.to_radians(), 5.0));
-    let seen = look(&view, "refrigerator", thing);
-    assert!(seen.objects[0].is_err() && seen.glimpses[0].is_none());
+    // The left border of the image is `beyond` (rad) to the left of its middle, of which either half is 0.043 wide.
+    let at_border = |beyond: f64| {
+        let yaw = 2.0_f64.atan2(8.0) + beyond - (319.5_f64 / 525.0).atan();
+        let view = scene.seen_from(&looking([0.0, 0.0, 1.0], yaw, 5.0));
+        let seen = look(&view, "refrigerator", thing);
+        let glimpse = seen.glimpses[0].clone();
+        glimpse.map(|glimpse| (glimpse.ellipsoid.transformed(&view.world_from_camera), glimpse))
+    };
+    let (whole, whole_glimpse) = at_border(0.08).unwrap();
+    let (cut, cut_glimpse) = at_border(0.015).unwrap();
+    let bearing = |body: &Ellipsoid| body.center().y.atan2(body.center().x) - 0.25_f64.atan();
+    assert!(bearing(&whole).abs() < 0.006, "{}", bearing(&whole));
+    // The middle of what is left is 0.014 to the right.
+    assert!(bearing(&cut).abs() < 0.009, "{}", bearing(&cut));
+    assert!(cut_glimpse.covariance[(4, 4)] > 1.5 * whole_glimpse.covariance[(4, 4)]);
+    assert!(at_border(-0.02).is_none(), "more than a half is cut off");
 }
 
 #[test]
