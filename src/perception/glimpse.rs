@@ -1,7 +1,7 @@
 //! What a box says where depth does not suffice for a measurement: a direction, and how far off something of its class
 //! would be that looks so large.
 
-use super::{ClassPrior, Classes, Detection, Frame};
+use super::{Classes, Detection, Frame};
 use crate::geometry::{Camera, Ellipsoid, Pose, Rect};
 use nalgebra::{Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
@@ -17,12 +17,13 @@ pub struct Glimpse {
 
 /// Where an object of the box's class is, going by how large it looks and by the depth in the middle of its box. What the
 /// image cuts off follows from the usual proportions of its class; nothing where more than a half or more than one side of
-/// it is cut off.
+/// it is cut off, and for classes without a usual size: what hides a part of them is taken for them too easily.
 pub fn glimpse(frame: &Frame<'_>, detection: &Detection, classes: &Classes) -> Option<Glimpse> {
     let prior = classes.prior(detection.label());
-    let seen = Apparent::new(frame, &detection.rect, &prior)?;
-    let (range_m, sigma_m) = seen.range_m(frame, &detection.rect, &prior);
-    Some(seen.glimpse(frame, range_m, sigma_m, &prior))
+    let size_m = prior.size_m?;
+    let seen = Apparent::new(frame, &detection.rect, size_m)?;
+    let (range_m, sigma_m) = seen.range_m(frame, &detection.rect, size_m);
+    Some(seen.glimpse(frame, range_m, sigma_m, size_m))
 }
 
 /// A box as angles.
@@ -37,10 +38,10 @@ struct Apparent {
 }
 
 impl Apparent {
-    fn new(frame: &Frame<'_>, rect: &Rect, prior: &ClassPrior) -> Option<Self> {
+    fn new(frame: &Frame<'_>, rect: &Rect, size_m: [f64; 3]) -> Option<Self> {
         let camera = frame.camera();
         let (fx, fy) = camera.focal();
-        let whole = completed(rect, camera, prior)?;
+        let whole = completed(rect, camera, size_m)?;
         let (u, v) = whole.center();
         let ray = camera.ray(u, v);
         let (width, height) = (
@@ -66,12 +67,7 @@ impl Apparent {
     }
 
     /// The range of the object's middle and its standard deviation (m).
-    fn range_m(&self, frame: &Frame<'_>, rect: &Rect, prior: &ClassPrior) -> (f64, f64) {
-        let Some([long, short, high]) = prior.size_m else {
-            return readings_m(frame, rect).map_or((ANY_RANGE_M, ANY_RANGE_SIGMA_M), |near| {
-                (near, 2.0 * READING_SIGMA * near)
-            });
-        };
+    fn range_m(&self, frame: &Frame<'_>, rect: &Rect, [long, short, high]: [f64; 3]) -> (f64, f64) {
         let (sine, cosine) = self.descent();
         let middle = (long * short).sqrt();
         // Of what is partly hidden, less shows: the side that asks for the shorter range is the more credible.
@@ -93,11 +89,10 @@ impl Apparent {
         frame: &Frame<'_>,
         range_m: f64,
         range_sigma_m: f64,
-        prior: &ClassPrior,
+        usual: [f64; 3],
     ) -> Glimpse {
         let (sine, cosine) = self.descent();
         let (width, height) = (self.width * range_m, self.height * range_m);
-        let usual = prior.size_m.unwrap_or([width, width, height]);
         let middle = (usual[0] * usual[1]).sqrt();
         let across = (width / SEEN_WIDTH).clamp(0.5 * usual[1], 1.5 * usual[0]);
         let along = if across > middle { usual[1] } else { usual[0] };
@@ -158,27 +153,27 @@ fn readings_m(frame: &Frame<'_>, rect: &Rect) -> Option<f64> {
 }
 
 /// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
-fn completed(rect: &Rect, camera: &Camera, prior: &ClassPrior) -> Option<Rect> {
+fn completed(rect: &Rect, camera: &Camera, size_m: [f64; 3]) -> Option<Rect> {
     let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
     let distances = [rect.x_min, rect.y_min, right - rect.x_max, bottom - rect.y_max];
     let cut = distances.map(|distance| distance <= BORDER_PX);
     let Rect { x_min, y_min, x_max, y_max } = *rect;
     let tall = |[long, short, high]: [f64; 3]| high / (SEEN_WIDTH * (long * short).sqrt());
-    let by_width = || Some(tall(prior.size_m?) * rect.width());
-    let by_height = || Some(rect.height() / tall(prior.size_m?));
+    let by_width = || tall(size_m) * rect.width();
+    let by_height = || rect.height() / tall(size_m);
     let whole = match cut {
         [false, false, false, false] => Some(*rect),
         [true, false, false, false] => {
-            Rect::new(x_min.min(x_max - by_height()?), y_min, x_max, y_max)
+            Rect::new(x_min.min(x_max - by_height()), y_min, x_max, y_max)
         }
         [false, true, false, false] => {
-            Rect::new(x_min, y_min.min(y_max - by_width()?), x_max, y_max)
+            Rect::new(x_min, y_min.min(y_max - by_width()), x_max, y_max)
         }
         [false, false, true, false] => {
-            Rect::new(x_min, y_min, x_max.max(x_min + by_height()?), y_max)
+            Rect::new(x_min, y_min, x_max.max(x_min + by_height()), y_max)
         }
         [false, false, false, true] => {
-            Rect::new(x_min, y_min, x_max, y_max.max(y_min + by_width()?))
+            Rect::new(x_min, y_min, x_max, y_max.max(y_min + by_width()))
         }
         _ => None,
     };
@@ -194,9 +189,6 @@ const SEEN_WIDTH: f64 = 1.15;
 const SIZE_SIGMA: f64 = 0.4;
 /// Standard deviation of the object's range where depth readings tell it, as a share of it.
 const READING_SIGMA: f64 = 0.15;
-/// The range of what could be anything (m).
-const ANY_RANGE_M: f64 = 5.0;
-const ANY_RANGE_SIGMA_M: f64 = 2.5;
 /// Standard deviations of the logarithms of extents: away from the camera, where nothing was seen, across, and upwards.
 const DEPTH_SIGMA: f64 = 0.5;
 const WIDTH_SIGMA: f64 = 0.25;
