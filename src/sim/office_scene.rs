@@ -48,7 +48,10 @@ pub(super) fn office_scene(random: &mut Random) -> Scene {
             (5.0, 2.3),
             (2.9, 2.4),
         ]),
+        // Begins before the desk, which the robot sees again when it has come round.
         round: points(&[
+            (5.0, 2.3),
+            (3.2, 2.4),
             (2.3, 3.6),
             (2.3, 4.9),
             (4.0, 5.2),
@@ -56,8 +59,6 @@ pub(super) fn office_scene(random: &mut Random) -> Scene {
             (7.7, 4.9),
             (7.7, 3.4),
             (6.6, 2.4),
-            (5.0, 2.3),
-            (3.2, 2.4),
         ]),
     };
     scene
