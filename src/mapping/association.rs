@@ -8,9 +8,10 @@ use super::{
     visibility::Prospect,
 };
 use crate::{
-    geometry::{Ellipsoid, Pose},
+    geometry::{Ellipsoid, Pose, skew},
     graph::{Graph, PoseId},
 };
+use nalgebra::{Matrix6, SMatrix};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Who decides which measurement belongs to which object.
@@ -61,6 +62,8 @@ pub(super) struct Evidence<'a> {
     pub(super) graph: &'a Graph,
     pub(super) settings: &'a MappingSettings,
     pub(super) step: &'a Step,
+    /// Of the pose that the step begins at, of `[rotation, translation]`.
+    pub(super) pose_covariance: Matrix6<f64>,
     /// The keyframe's.
     pub(super) pose: PoseId,
     pub(super) map_from_base: &'a Pose,
@@ -214,7 +217,7 @@ impl Evidence<'_> {
         let is_vague = |at: &usize| measured.is_glimpse || self.objects[*at].is_glimpsed();
         let aligned = fits.in_image.iter().filter(|(at, share)| **share > ALIGNED && is_vague(at));
         let mut near: BTreeSet<usize> = aligned.map(|(at, _)| *at).collect();
-        near.extend(index.near(&in_map, REACH_M));
+        near.extend(index.near(&in_map, self.reach_m(measured)));
         for at in near {
             let object = &self.objects[at];
             let called = self.settings.labels.cost(&observation.labels, object.belief());
@@ -242,6 +245,17 @@ impl Evidence<'_> {
             }
         }
         fits
+    }
+
+    /// How far from a measurement its object may be found (m). A robot that comes back after a long way finds all that
+    /// it knows as far off as it has drifted, and the graph knows how far that may be.
+    fn reach_m(&self, measured: &Measured) -> f64 {
+        let mut moved = SMatrix::<f64, 3, 6>::zeros();
+        moved.fixed_view_mut::<3, 3>(0, 0).copy_from(&-skew(measured.ellipsoid.center().coords));
+        moved.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
+        let drift = moved * self.pose_covariance * moved.transpose();
+        let sigma = drift.symmetric_eigenvalues().max().max(0.0).sqrt();
+        (REACH_M + DRIFT_SIGMAS * sigma).min(MOST_REACH_M)
     }
 
     /// How much of the boxes of objects that may be called so a box overlaps.
@@ -283,8 +297,13 @@ struct Fits {
     in_image: BTreeMap<usize, f64>,
 }
 
-/// Bodies of one thing in two frames are never farther apart (m): what the gate is asked about.
+/// Bodies of one thing in two frames are never farther apart where the robot knows its place (m): what the gate is asked
+/// about.
 const REACH_M: f64 = 0.3;
+/// What drift, as the graph knows it, adds to that, in standard deviations,
+const DRIFT_SIGMAS: f64 = 3.0;
+/// up to here (m): where it is larger, several objects together have to say the place.
+const MOST_REACH_M: f64 = 2.0;
 /// Boxes that overlap by so much may be in one direction.
 const ALIGNED: f64 = 0.1;
 /// The most that geometry can cost where the measurement and the object overlap by so much of the smaller.
