@@ -104,8 +104,8 @@ impl Evidence<'_> {
         associated
     }
 
-    /// The assigned object, if no other one would do as well, and the box does not say that it is another one: of
-    /// things that stand behind each other, the points of the nearer fill the box of the farther.
+    /// The assigned object, if no other one would do as well, and no box says that it is another one: of things that stand
+    /// behind each other, the points of the nearer fill the box of the farther.
     fn clear(
         &self,
         (costs, fits): (&Costs, &[Fits]),
@@ -117,6 +117,18 @@ impl Evidence<'_> {
         let share = in_image.get(&object).copied().unwrap_or(1.0);
         let is_better = |other: &&usize| in_image[other] > share + BETTER_OVERLAP;
         let by_box = in_image.keys().filter(is_better).copied();
+        // Another box overlaps this object as well as its own box, and better than the object that it was given.
+        let claims = |(fits, own): (&Fits, &Option<usize>)| {
+            let overlap = |object: usize| fits.in_image.get(&object).copied().unwrap_or(0.0);
+            own.is_some_and(|own| {
+                own != object
+                    && overlap(object) > overlap(own) + BETTER_OVERLAP
+                    && overlap(object) > share - BETTER_OVERLAP
+            })
+        };
+        if fits.iter().zip(assigned).any(claims) {
+            return Decision::Wait;
+        }
         let limits = (gate.new_object_cost, gate.ambiguity);
         let mut others = by_box.chain(rivals(costs, assigned, at, limits));
         let is_unclear = others.any(|other| self.is_alternative(object, other));
@@ -319,4 +331,4 @@ const TENTATIVE_COST: f64 = 0.5;
 /// A box that overlaps an object's by so much may show it, wherever the points in it are.
 const SAME_BOX: f64 = 0.6;
 /// The box says that it is another object where it overlaps that one's by so much more.
-const BETTER_OVERLAP: f64 = 0.2;
+const BETTER_OVERLAP: f64 = 0.1;

@@ -65,6 +65,23 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// Widens the covariance along each axis on which this is much larger than objects of its class usually are (long,
+    /// short, height; m): chairs that stand beside each other or one behind the other are measured as one now and then,
+    /// and nothing says then which part of it is the object.
+    #[must_use]
+    pub fn doubting_its_size(mut self, usual_m: [f64; 3]) -> Self {
+        let long = usual_m[0].max(usual_m[1]);
+        for (i, usual) in [long, long, usual_m[2]].into_iter().enumerate() {
+            let own = self.ellipsoid.semi_axes[i];
+            if own > MUCH_LARGER * 0.5 * usual {
+                let more = own - 0.5 * usual;
+                self.covariance[(3 + i, 3 + i)] += more * more;
+                self.covariance[(6 + i, 6 + i)] += (more / own).powi(2);
+            }
+        }
+        self
+    }
+
     /// Height in the map of the plane that it stands on, below its centre (m).
     pub(super) fn support_height_m(&self, map_from_base: &Pose) -> Option<f64> {
         let plane = self.support?.transformed(map_from_base);
@@ -81,3 +98,6 @@ impl Measured {
         SMatrix::from_diagonal(&variances)
     }
 }
+
+/// Hardly an object of a class is larger than the usual one by this factor: sizes differ by a quarter.
+const MUCH_LARGER: f64 = 1.5;

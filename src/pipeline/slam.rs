@@ -206,22 +206,23 @@ impl ObjectSlam {
     ) -> Keyframe {
         let Look { base_from_camera, camera, depth, detections, estimate } = look;
         let found = estimate.objects.iter().zip(&estimate.glimpses);
-        let seen = detections.iter().zip(found).map(|(detection, (found, glimpse))| Observation {
-            labels: detection.hypotheses().to_vec(),
-            track: detection.track,
-            outline: self.settings.perception.classes.prior(detection.label()).outline,
-            rect: Some(detection.rect),
-            sides: observed_box(
-                detection,
-                found.as_ref().ok(),
-                (&camera, &base_from_camera),
-                &self.settings.slam,
-            ),
-            measured: match (found, glimpse) {
-                (Ok(measured), _) => Some(in_base(measured, &base_from_camera)),
+        let seen = detections.iter().zip(found).map(|(detection, (found, glimpse))| {
+            let class = self.settings.perception.classes.prior(detection.label());
+            let measured = match (found, glimpse) {
+                (Ok(measured), _) => Some(in_base(measured, &base_from_camera, class.size_m)),
                 (Err(_), Some(glimpse)) => Some(glimpsed(glimpse, &base_from_camera)),
                 (Err(_), None) => None,
-            },
+            };
+            let found = found.as_ref().ok();
+            let view = (&camera, &base_from_camera);
+            Observation {
+                labels: detection.hypotheses().to_vec(),
+                track: detection.track,
+                outline: class.outline,
+                rect: Some(detection.rect),
+                sides: observed_box(detection, found, view, &self.settings.slam),
+                measured,
+            }
         });
         let sighted = self.map.observe(&Sighting {
             stamp,
@@ -256,13 +257,21 @@ impl ObjectSlam {
 }
 
 /// A measurement in the frame of the base. Liao et al. 2020, eq. (12).
-fn in_base(measurement: &EllipsoidMeasurement, base_from_camera: &Pose) -> Measured {
-    Measured {
+fn in_base(
+    measurement: &EllipsoidMeasurement,
+    base_from_camera: &Pose,
+    usual_m: Option<[f64; 3]>,
+) -> Measured {
+    let measured = Measured {
         ellipsoid: measurement.ellipsoid.transformed(base_from_camera),
         covariance: measurement.covariance,
         probability: measurement.probability.combined(),
         support: measurement.support.map(|plane| plane.transformed(base_from_camera)),
         is_glimpse: false,
+    };
+    match usual_m {
+        Some(usual_m) => measured.doubting_its_size(usual_m),
+        None => measured,
     }
 }
 

@@ -60,6 +60,27 @@ fn between_two_objects_that_fit_alike_none_is_guessed() {
     assert_eq!(both, [Some(ObjectId(1)), Some(ObjectId(2))]);
 }
 
+/// Two chairs in a row that were measured as one.
+#[test]
+fn what_is_much_larger_than_its_class_does_not_keep_a_part_that_is_not_its_own() {
+    let two = Ellipsoid::new(Pose::translation(0.3, 0.0, 0.45), Vector3::new(0.55, 0.25, 0.45));
+    let mut first = observation("chair", two, independent(&two, 0.05, 0.03, 0.02));
+    let usual = [0.55, 0.5, 0.9];
+    first.measured = first.measured.map(|measured| measured.doubting_its_size(usual));
+    let mut map = empty();
+    observe(&mut map, 0.0, vec![first]);
+    for second in 1..4 {
+        let mut seen = chair(0.0, 0.0);
+        let before = seen.measured.as_ref().unwrap().covariance;
+        seen.measured = seen.measured.map(|measured| measured.doubting_its_size(usual));
+        assert_eq!(seen.measured.as_ref().unwrap().covariance, before, "a usual chair is believed");
+        observe(&mut map, f64::from(second), vec![seen]);
+    }
+    let object = only(&map).ellipsoid();
+    assert!(object.center().x.abs() < 0.02, "{}", object.center());
+    assert!((object.semi_axes.x - 0.3).abs() < 0.02, "{}", object.semi_axes);
+}
+
 /// Known only to so much (m).
 fn unsure(x: f64, sigma: f64) -> Observation {
     let mut seen = chair(x, 0.0);

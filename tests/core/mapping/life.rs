@@ -5,7 +5,7 @@ use ellipsoid_slam::{
     geometry::{Camera, Distortion, Ellipsoid, Pose, Rect},
     mapping::{
         LifeSettings, MappingSettings, ObjectChange, ObjectId, ObjectMap, ObjectState, Observation,
-        Sighting, View,
+        Sighted, Sighting, View,
     },
     perception::{DepthImage, DepthNoise},
     time::Stamp,
@@ -50,6 +50,12 @@ impl Room {
 
     /// A frame with these boxes, in which depth is nearest of the given things: 4 m where there is nothing.
     fn look(&mut self, boxes: &[Ellipsoid], things: &[(Rect, f32)]) -> Vec<ObjectChange> {
+        let boxes: Vec<_> = boxes.iter().map(|body| (*body, *body)).collect();
+        self.see(&boxes, things).changes
+    }
+
+    /// The same, where what was measured and what the box is round need not be the same.
+    fn see(&mut self, boxes: &[(Ellipsoid, Ellipsoid)], things: &[(Rect, f32)]) -> Sighted {
         let mut metres = vec![4.0_f32; 160 * 120];
         for (i, depth) in metres.iter_mut().enumerate() {
             let (u, v) = ((i % 160) as f64, (i / 160) as f64);
@@ -60,10 +66,11 @@ impl Room {
         let depth = DepthImage::new(160, 120, metres).unwrap();
         // A little to the side each time, so that every view is one of its own.
         let odom_from_base = Pose::translation(0.0, 0.03 * f64::from(self.frames % 8), 0.0);
-        let observations = boxes.iter().map(|body| {
-            let e = body.transformed(&odom_from_base.inverse());
+        let observations = boxes.iter().map(|(measured, boxed)| {
+            let in_base = |body: &Ellipsoid| body.transformed(&odom_from_base.inverse());
+            let e = in_base(measured);
             let seen = observation("cabinet", e, independent(&e, 0.05, 0.03, 0.02));
-            Observation { rect: Some(self.rect(&e)), ..seen }
+            Observation { rect: Some(self.rect(&in_base(boxed))), ..seen }
         });
         let observations = observations.collect();
         self.frames += 1;
@@ -81,7 +88,7 @@ impl Room {
             }),
         });
         assert_eq!(sighted.refused, None);
-        sighted.changes
+        sighted
     }
 
     fn with_cabinet(&mut self) {
@@ -182,4 +189,23 @@ fn what_was_moved_keeps_its_identity_or_not_as_one_likes() {
         let y = room.map.all()[0].ellipsoid().center().y;
         assert!((y + 0.8).abs() < 0.05, "{y}");
     }
+}
+
+/// Of things that stand behind each other, a box can show one and the depth in it the other.
+#[test]
+fn a_box_waits_where_another_one_shows_what_was_measured_in_it() {
+    let mut room = Room::new(LifeSettings::default());
+    let (left, right) = (cabinet(0.35), cabinet(-0.35));
+    let things = [(room.rect(&left), 2.0), (room.rect(&right), 2.0)];
+    for _ in 0..8 {
+        room.look(&[left, right], &things);
+    }
+    let ids: Vec<_> = room.map.confirmed().map(|object| Some(object.id)).collect();
+    assert_eq!(ids.len(), 2);
+    // A box between the two, in which the left one was measured.
+    let unclear = (left, cabinet(0.0));
+    assert_eq!(room.see(&[unclear], &things).objects, [ids[0]]);
+    // The next box is round the left one, though the right one was measured in it.
+    assert_eq!(room.see(&[unclear, (right, left)], &things).objects, [None, None]);
+    assert_eq!(room.see(&[unclear, (right, right)], &things).objects, [ids[0], ids[1]]);
 }
