@@ -10,6 +10,7 @@ use super::{
 use crate::{
     geometry::{Ellipsoid, Pose, skew},
     graph::{Graph, PoseId},
+    time::Stamp,
 };
 use nalgebra::{Matrix6, SMatrix};
 use std::collections::{BTreeMap, BTreeSet};
@@ -64,6 +65,8 @@ pub(super) struct Evidence<'a> {
     pub(super) step: &'a Step,
     /// Of the pose that the step begins at, of `[rotation, translation]`.
     pub(super) pose_covariance: Matrix6<f64>,
+    /// What was seen since then has drifted with the robot.
+    pub(super) long_ago: Option<Stamp>,
     /// The keyframe's.
     pub(super) pose: PoseId,
     pub(super) map_from_base: &'a Pose,
@@ -229,7 +232,9 @@ impl Evidence<'_> {
         let is_vague = |at: &usize| measured.is_glimpse || self.objects[*at].is_glimpsed();
         let aligned = fits.in_image.iter().filter(|(at, share)| **share > ALIGNED && is_vague(at));
         let mut near: BTreeSet<usize> = aligned.map(|(at, _)| *at).collect();
-        near.extend(index.near(&in_map, self.reach_m(measured)));
+        near.extend(index.near(&in_map, REACH_M));
+        let old = |at: &usize| self.long_ago.is_some_and(|then| self.objects[*at].last_seen < then);
+        near.extend(index.near(&in_map, self.reach_m(measured)).into_iter().filter(old));
         for at in near {
             let object = &self.objects[at];
             let called = self.settings.labels.cost(&observation.labels, object.belief());
@@ -259,8 +264,8 @@ impl Evidence<'_> {
         fits
     }
 
-    /// How far from a measurement its object may be found (m). A robot that comes back after a long way finds all that
-    /// it knows as far off as it has drifted, and the graph knows how far that may be.
+    /// How far from a measurement its object may be found if it was not seen for long (m): a robot that comes back finds
+    /// all that it knows as far off as it has drifted, and the graph knows how far that may be.
     fn reach_m(&self, measured: &Measured) -> f64 {
         let mut moved = SMatrix::<f64, 3, 6>::zeros();
         moved.fixed_view_mut::<3, 3>(0, 0).copy_from(&-skew(measured.ellipsoid.center().coords));
@@ -309,10 +314,9 @@ struct Fits {
     in_image: BTreeMap<usize, f64>,
 }
 
-/// Bodies of one thing in two frames are never farther apart where the robot knows its place (m): what the gate is asked
-/// about.
+/// Bodies of one thing in two frames that follow each other are never farther apart (m): what the gate is asked about.
 const REACH_M: f64 = 0.3;
-/// What drift, as the graph knows it, adds to that, in standard deviations,
+/// What drift, as the graph knows it, adds to that for what was not seen for long, in standard deviations,
 const DRIFT_SIGMAS: f64 = 3.0;
 /// up to here (m): where it is larger, several objects together have to say the place.
 const MOST_REACH_M: f64 = 2.0;

@@ -89,8 +89,8 @@ fn expected(recent: &[Landmark]) -> ExpectedPlace {
 
 /// New keyframes after which it is tried again.
 const KEYFRAMES_BETWEEN_ATTEMPTS: usize = 5;
-/// What was seen first within so many keyframes is recent.
-const RECENT_KEYFRAMES: usize = 50;
+/// What was seen within so many keyframes is recent.
+pub(super) const RECENT_KEYFRAMES: usize = 50;
 /// Probability beforehand that there is no loop to close.
 const NO_LOOP: f64 = 0.9;
 /// What drift there may be (rad, m).

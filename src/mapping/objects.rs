@@ -7,6 +7,7 @@ use super::{
     gate::Step,
     initial::InitialViews,
     life::Departed,
+    loop_closing::RECENT_KEYFRAMES,
     odometry::{Chain, Place},
 };
 use crate::{
@@ -194,6 +195,7 @@ impl ObjectMap {
             step: &step,
             pose_covariance: known
                 .map_or_else(Matrix6::zeros, |known| known.fixed_view::<6, 6>(0, 0).into_owned()),
+            long_ago: self.chain.stamp_before(RECENT_KEYFRAMES),
             pose,
             map_from_base,
             view: sighting.view.as_ref(),
