@@ -3,7 +3,7 @@
 use super::{
     MapObject, MappingSettings, Measured, Observation, View,
     assignment::{Costs, assign, rivals},
-    gate::{Candidate, Step, overlap},
+    gate::{Candidate, Step, joint_covariance, overlap},
     index::ObjectIndex,
     visibility::Prospect,
 };
@@ -12,7 +12,7 @@ use crate::{
     graph::{Graph, PoseId},
     time::Stamp,
 };
-use nalgebra::{Matrix6, SMatrix};
+use nalgebra::{DMatrix, Matrix6, SMatrix};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Who decides which measurement belongs to which object.
@@ -79,10 +79,12 @@ impl Evidence<'_> {
         let index = ObjectIndex::new(self.objects);
         let prospects = self.prospects(&index);
         let doubtful = self.doubtful(observations);
+        // Neighbours have neighbours in common.
+        let mut known = BTreeMap::new();
         let fits: Vec<Fits> = (observations.iter().zip(&doubtful))
             .map(|(observation, is_doubtful)| match &observation.measured {
                 Some(measured) if !is_doubtful => {
-                    self.fits(observation, measured, &index, &prospects)
+                    self.fits((observation, measured), &index, &prospects, &mut known)
                 }
                 _ => Fits::default(),
             })
@@ -217,13 +219,13 @@ impl Evidence<'_> {
         all.clone().map(|at| all.clone().any(|other| other != at && yields(at, other))).collect()
     }
 
-    /// What it costs an observation to be each of the objects near it.
+    /// What it costs an observation to be each of the objects near it; `known` has what was asked of the graph before.
     fn fits(
         &self,
-        observation: &Observation,
-        measured: &Measured,
+        (observation, measured): (&Observation, &Measured),
         index: &ObjectIndex,
         prospects: &BTreeMap<usize, Prospect>,
+        known: &mut BTreeMap<usize, DMatrix<f64>>,
     ) -> Fits {
         let mut fits = Fits { in_image: self.in_image(observation, prospects), ..Fits::default() };
         let in_map = measured.ellipsoid.transformed(self.map_from_base);
@@ -242,7 +244,9 @@ impl Evidence<'_> {
                 continue;
             }
             let candidate = Candidate::new(measured, self.step, (self.pose, object), gate);
-            let apart = candidate.cost(self.graph, self.step, object);
+            let joint =
+                known.entry(at).or_insert_with(|| joint_covariance(self.graph, self.step, object));
+            let apart = candidate.cost(self.graph, self.step, (object, joint));
             let seen = observation.rect.as_ref().zip(prospects.get(&at));
             let image = seen.map(|(rect, prospect)| rect.overlap(&prospect.rect));
             let box_cost = image.map_or(NO_BOX_COST, |share| -share.max(LEAST_OVERLAP).ln());

@@ -83,21 +83,17 @@ impl Candidate {
 
     /// What it costs to be an object: half the squared Mahalanobis distance with the joint covariance of pose and object
     /// (Kaess and Dellaert 2009, Covariance recovery from a square root information matrix for data association), and more
-    /// for an object that would fit anything because it is hardly known.
-    pub(super) fn cost(&self, graph: &Graph, step: &Step, object: &MapObject) -> f64 {
+    /// for an object that would fit anything because it is hardly known. `known` is their [`joint_covariance`].
+    pub(super) fn cost(
+        &self,
+        graph: &Graph,
+        step: &Step,
+        (object, known): (&MapObject, &DMatrix<f64>),
+    ) -> f64 {
         let Some(factor) = &self.factor else { return f64::MAX };
         let estimate = graph.ellipsoid(object.variable());
         let at = [Variable::Pose(step.map_from_pose), Variable::Ellipsoid(estimate)];
         let linear = factor.linearize(&at);
-        let known = match step.pose {
-            Some(pose) => graph.covariance(&[pose.into(), object.variable().into()]),
-            None => {
-                let mut known = DMatrix::zeros(15, 15);
-                let own = graph.covariance(&[object.variable().into()]);
-                known.view_mut((6, 6), (9, 9)).copy_from(&own);
-                known
-            }
-        };
         let mut innovation = &linear.jacobian * known * linear.jacobian.transpose();
         (0..9).for_each(|i| innovation[(i, i)] += 1.0);
         match innovation.cholesky() {
@@ -110,6 +106,17 @@ impl Candidate {
             None => f64::MAX,
         }
     }
+}
+
+/// The joint covariance of the pose that a step begins at and an object.
+pub(super) fn joint_covariance(graph: &Graph, step: &Step, object: &MapObject) -> DMatrix<f64> {
+    let Some(pose) = step.pose else {
+        let mut joint = DMatrix::zeros(15, 15);
+        let own = graph.covariance(&[object.variable().into()]);
+        joint.view_mut((6, 6), (9, 9)).copy_from(&own);
+        return joint;
+    };
+    graph.covariance(&[pose.into(), object.variable().into()])
 }
 
 /// The covariance that an uncertain step gives to what is measured after it, as a right perturbation of the object.
