@@ -31,11 +31,12 @@ use std::{
     io,
     sync::{Arc, mpsc},
     thread,
+    time::Duration,
 };
 use thiserror::Error;
 use tokio::{
     runtime,
-    signal::unix::{SignalKind, signal},
+    signal::unix::{Signal, SignalKind, signal},
     sync::{oneshot, watch},
     task::LocalSet,
 };
@@ -87,9 +88,11 @@ pub fn run_node(
     lines: LogLines,
 ) -> Result<(), NodeError> {
     let runtime = runtime::Builder::new_current_thread().enable_all().build()?;
+    let signals = {
+        let _inside = runtime.enter();
+        Signals::listen()?
+    };
     let context = domain.join()?;
-    // Variables are dropped in reverse order: tasks with their subscriptions and publishers first, then the node,
-    // then the context. Otherwise others would believe the node to be alive.
     let name = arguments.full_name();
     let node = context
         .new_node(
@@ -102,9 +105,31 @@ pub fn run_node(
     let running = start.everything(parameters, files)?;
     start.log(lines)?;
     tracing::info!("{name} runs in domain {}", domain.id);
-    let outcome = runtime.block_on(tasks.run_until(running.until_stopped()));
+    let outcome = runtime.block_on(tasks.run_until(running.until_stopped(signals)));
+    // Tasks with their subscriptions and publishers go first, then the node, then the context: otherwise others would
+    // believe the node to be alive. The context stops sending when it goes, also what it was given before.
+    let Start { node, .. } = start;
+    drop(tasks);
+    drop(node);
     drop(runtime);
+    thread::sleep(GOODBYE);
     outcome
+}
+
+/// Time for the last words to be sent, and once more where they were lost.
+const GOODBYE: Duration = Duration::from_millis(500);
+
+/// What ends the node in order, also while it still starts.
+struct Signals {
+    interrupt: Signal,
+    terminate: Signal,
+}
+
+impl Signals {
+    fn listen() -> io::Result<Self> {
+        let interrupt = signal(SignalKind::interrupt())?;
+        Ok(Self { interrupt, terminate: signal(SignalKind::terminate())? })
+    }
 }
 
 /// What parts of the node are made from.
@@ -225,12 +250,10 @@ impl Start<'_> {
 }
 
 impl Running {
-    async fn until_stopped(self) -> Result<(), NodeError> {
-        let (mut interrupt, mut terminate) =
-            (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?);
+    async fn until_stopped(self, mut signals: Signals) -> Result<(), NodeError> {
         tokio::select! {
-            _ = interrupt.recv() => tracing::info!("interrupted"),
-            _ = terminate.recv() => tracing::info!("terminated"),
+            _ = signals.interrupt.recv() => tracing::info!("interrupted"),
+            _ = signals.terminate.recv() => tracing::info!("terminated"),
             _ = self.ended => return Err(NodeError::WorkerEnded),
         }
         self.inbox.close();
