@@ -1,5 +1,9 @@
 //! A node with its publishers, subscriptions and services, on DDS or on Zenoh. The rest of the node does not know on
 //! which: only how much an answer may hold depends on it.
+#![cfg_attr(
+    feature = "zenoh",
+    expect(clippy::large_enum_variant, reason = "there are a few dozen of them, made once")
+)]
 
 mod dds;
 mod raw;
@@ -53,7 +57,7 @@ pub(super) enum Server<S: Service> {
 pub(super) enum RequestId {
     Dds(dds::RequestId),
     #[cfg(feature = "zenoh")]
-    Zenoh(Box<zenoh::Request>),
+    Zenoh(zenoh::Request),
 }
 
 /// What is known of other nodes.
@@ -211,7 +215,7 @@ impl<S: Service> Server<S> {
             #[cfg(feature = "zenoh")]
             Self::Zenoh(server) => {
                 let (id, request) = server.receive::<S>().await?;
-                Ok((RequestId::Zenoh(Box::new(id)), request))
+                Ok((RequestId::Zenoh(id), request))
             }
         }
     }

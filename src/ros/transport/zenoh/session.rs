@@ -17,7 +17,15 @@ pub(super) fn open() -> Result<Session, String> {
             entries.map(|entry| entry.split_once('=').unwrap_or((entry, ""))).collect();
         config = with(config, "ZENOH_CONFIG_OVERRIDE", &entries)?;
     }
-    zenoh::open(config).wait().map_err(|e| e.to_string())
+    let session = zenoh::open(config).wait().map_err(|e| e.to_string())?;
+    let info = session.info();
+    if info.routers_zid().wait().chain(info.peers_zid().wait()).next().is_none() {
+        tracing::warn!(
+            "no Zenoh router answers yet: start one with `ros2 run rmw_zenoh_cpp rmw_zenohd`, or name another \
+             in ZENOH_CONFIG_OVERRIDE: connect/endpoints=[\"tcp/HOST:7447\"]"
+        );
+    }
+    Ok(session)
 }
 
 /// Nodes meet at the router of their machine and then talk to each other. Publishers that keep messages for those who
