@@ -99,11 +99,9 @@ impl Node {
         kind: &str,
         qos: &QosProfile,
     ) -> Result<RawPublisher, NotCreated> {
-        let topic = self
-            .node
-            .create_topic(&parsed(name)?, type_name(kind), qos)
-            .map_err(|e| NotCreated::new(name, e))?;
-        self.node.create_publisher(&topic, Some(qos.clone())).map_err(|e| NotCreated::new(name, e))
+        let qos = qos.clone().reliability_reliable(WhenFull::Wait(PATIENCE));
+        let topic = self.topic(name, kind, &qos, PLAYED_WINDOW)?;
+        self.node.create_publisher(&topic, Some(qos)).map_err(|e| NotCreated::new(name, e))
     }
 
     pub(super) fn server<S: Service>(&mut self, name: &str) -> Result<Server<S>, NotCreated> {
@@ -153,6 +151,11 @@ impl Node {
 
 /// Messages that may be on their way to a subscriber: half a second of a camera's.
 const LEAST_WINDOW: usize = 16;
+
+/// The same of a recording: 60 MB of colour images.
+const PLAYED_WINDOW: usize = 64;
+/// A recording waits so long for a subscriber that is slow.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 pub(super) fn publish<M: Message>(publisher: &Publisher<M>, message: M) -> Result<(), NotSent<M>> {
     publisher.publish(message).map_err(|e| match e {
