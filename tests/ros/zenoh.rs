@@ -1,7 +1,7 @@
 //! Over a router of Zenoh's own Python package, with keys as `rmw_zenoh` has them and ROS 2's own hashes of types and CDR.
 
 use crate::{
-    environment,
+    environment::{self, run},
     fast_dds::check_markers,
     processes::{BAG, BAG_TOPICS, Running, Stage, succeeded},
 };
@@ -10,7 +10,7 @@ use ellipsoid_slam::msg::{
     type_hash::{message_hash, service_hash},
 };
 use serde_json::Value;
-use std::{fs, process::Command};
+use std::{collections::BTreeMap, fs, process::Command};
 
 const REQUIREMENTS: &str = "tests/ros/zenoh/requirements.txt";
 
@@ -18,17 +18,20 @@ const REQUIREMENTS: &str = "tests/ros/zenoh/requirements.txt";
 struct Network {
     stage: Stage,
     port: String,
-    _router: Running,
 }
 
 impl Network {
-    fn start() -> Self {
+    fn new() -> Self {
         let stage = Stage::new();
         let port = (17_400 + stage.domain()).to_string();
-        let router = stage.peer_with(REQUIREMENTS, "zenoh_router.py", &[&port]);
-        let router = stage.start(router, "router");
+        Self { stage, port }
+    }
+
+    fn router(&self) -> Running {
+        let router = self.stage.peer_with(REQUIREMENTS, "zenoh_router.py", &[&self.port]);
+        let router = self.stage.start(router, "router");
         router.wait_for("the router listens");
-        Self { stage, port, _router: router }
+        router
     }
 
     fn program(&self, args: &[&str]) -> Command {
@@ -54,7 +57,8 @@ impl Network {
 
 #[test]
 fn a_bag_played_over_zenoh_gives_the_objects_of_a_replay() {
-    let network = Network::start();
+    let network = Network::new();
+    let _router = network.router();
     let path = |name: &str| network.stage.path(name);
     let file = format!("map.file:={}", path("map.json"));
     let save = ["-p", "map.save_on_shutdown:=true", "-p", &file];
@@ -65,6 +69,7 @@ fn a_bag_played_over_zenoh_gives_the_objects_of_a_replay() {
     let peer = network.peer("zenoh_peer.py", &[&markers, &saved]).output().unwrap();
     succeeded(&peer, &node);
     assert!(node.stop("INT").success(), "{}", node.log());
+    assert!(!node.log().contains(NO_ROUTER), "{}", node.log());
 
     let replayed = path("replay");
     let replay = network.program(&["replay", BAG, "--output", &replayed]).output().unwrap();
@@ -79,7 +84,8 @@ fn a_bag_played_over_zenoh_gives_the_objects_of_a_replay() {
 
 #[test]
 fn what_is_wrong_on_zenoh_is_named() {
-    let network = Network::start();
+    let network = Network::new();
+    let _router = network.router();
     let node = network.node("node", &[]);
     node.wait_for("nobody publishes /detections");
     let mut twin = network.node("twin", &[]);
@@ -92,12 +98,31 @@ fn what_is_wrong_on_zenoh_is_named() {
     node.wait_for("/odom is published as sensor_msgs/msg/CameraInfo, but odometry needs");
 }
 
-/// Against the hashes that ROS 2's own generator wrote into its packages.
+#[test]
+fn a_node_that_starts_before_the_router_says_so_and_meets_others_later() {
+    let network = Network::new();
+    let node = network.node("node", &BAG_TOPICS);
+    assert!(node.log().contains(NO_ROUTER), "{}", node.log());
+    let _router = network.router();
+    let play = network.program(&["play", BAG, "--rate", "4", "--wait", "60"]).output().unwrap();
+    succeeded(&play, &node);
+    let said = String::from_utf8_lossy(&play.stderr);
+    assert!(!said.contains("nobody listens"), "{said}");
+}
+
+const NO_ROUTER: &str = "no Zenoh router answers yet";
+
+/// Against the hashes that ROS 2's own generator wrote into its packages, and makes of our files.
 #[test]
 fn hashes_of_types_are_those_of_ros_2() {
     let python = environment::python(REQUIREMENTS).unwrap();
     let share = python.ancestors().nth(2).unwrap().join("share");
+    let ours = run(Command::new(python).arg("tests/ros/zenoh_hashes.py")).unwrap();
+    let ours: BTreeMap<String, String> = serde_json::from_str(ours.lines().last().unwrap()).unwrap();
     let published = |name: &str| {
+        if let Some(hash) = ours.get(name) {
+            return hash.clone();
+        }
         let text = fs::read_to_string(share.join(name).with_extension("json")).unwrap();
         let all: Value = serde_json::from_str(&text).unwrap();
         let hashes = all["type_hashes"].as_array().unwrap();
@@ -113,22 +138,32 @@ fn hashes_of_types_are_those_of_ros_2() {
     }
 }
 
-const MESSAGES: [&str; 13] = [
+const MESSAGES: [&str; 20] = [
     "builtin_interfaces/msg/Time",
     "diagnostic_msgs/msg/DiagnosticArray",
+    "ellipsoid_slam/msg/EllipsoidMeasurementArray",
+    "ellipsoid_slam/msg/ObjectArray",
     "geometry_msgs/msg/TransformStamped",
     "nav_msgs/msg/Odometry",
     "nav_msgs/msg/Path",
     "rcl_interfaces/msg/Log",
     "rosgraph_msgs/msg/Clock",
+    "rtabmap_msgs/msg/LandmarkDetections",
     "sensor_msgs/msg/CameraInfo",
     "sensor_msgs/msg/CompressedImage",
     "sensor_msgs/msg/Image",
     "std_msgs/msg/Header",
+    "tf2_msgs/msg/TFMessage",
+    "vision_msgs/msg/Detection2DArray",
+    "vision_msgs/msg/Detection3DArray",
     "visualization_msgs/msg/Marker",
     "visualization_msgs/msg/MarkerArray",
+    "yolo_msgs/msg/DetectionArray",
 ];
-const SERVICES: [&str; 8] = [
+const SERVICES: [&str; 11] = [
+    "ellipsoid_slam/srv/LoadMap",
+    "ellipsoid_slam/srv/QueryObjects",
+    "ellipsoid_slam/srv/SaveMap",
     "rcl_interfaces/srv/DescribeParameters",
     "rcl_interfaces/srv/GetParameters",
     "rcl_interfaces/srv/GetParameterTypes",

@@ -38,12 +38,7 @@ pub(in crate::ros) struct Publisher {
 const HEARTBEAT: Duration = Duration::from_millis(500);
 
 impl Publisher {
-    pub(super) fn new(
-        session: &Session,
-        end: &End,
-        token: LivelinessToken,
-        qos: &QosProfile,
-    ) -> Result<Self> {
+    pub(super) fn new(session: &Session, end: &End, qos: &QosProfile) -> Result<Self> {
         let congestion = match qos.history {
             History::KeepAll => CongestionControl::Block,
             History::KeepLast { .. } => CongestionControl::Drop,
@@ -59,7 +54,8 @@ impl Publisher {
                 );
         }
         let publisher = builder.wait()?;
-        Ok(Self { publisher, sequence: AtomicI64::new(0), gid: end.gid(), _token: token })
+        let (sequence, gid) = (AtomicI64::new(0), end.gid());
+        Ok(Self { publisher, sequence, gid, _token: end.announce(session)? })
     }
 
     pub(in crate::ros) fn publish<M: Message>(
@@ -84,12 +80,7 @@ pub(in crate::ros) struct Subscription {
 }
 
 impl Subscription {
-    pub(super) fn new(
-        session: &Session,
-        end: &End,
-        token: LivelinessToken,
-        qos: &QosProfile,
-    ) -> Result<Self> {
+    pub(super) fn new(session: &Session, end: &End, qos: &QosProfile) -> Result<Self> {
         // Of any hash, so that another version of a type is named and not passed over in silence. What the node says
         // itself on `/tf` is not for it, as with RustDDS.
         let mut builder = session
@@ -104,7 +95,7 @@ impl Subscription {
                 builder = builder.recovery(RecoveryConfig::default().heartbeat());
             }
         }
-        Ok(Self { subscriber: builder.wait()?, _token: token })
+        Ok(Self { subscriber: builder.wait()?, _token: end.announce(session)? })
     }
 
     pub(in crate::ros) async fn take<M: Message>(&self) -> std::result::Result<M, NotTaken> {
@@ -124,9 +115,9 @@ pub(in crate::ros) struct Server {
 pub(in crate::ros) struct Request(Query);
 
 impl Server {
-    pub(super) fn new(session: &Session, end: &End, token: LivelinessToken) -> Result<Self> {
+    pub(super) fn new(session: &Session, end: &End) -> Result<Self> {
         let queryable = session.declare_queryable(end.key.clone()).complete(true).wait()?;
-        Ok(Self { queryable, _token: token })
+        Ok(Self { queryable, _token: end.announce(session)? })
     }
 
     pub(in crate::ros) async fn receive<S: Service>(

@@ -1,6 +1,6 @@
 //! Who is there.
 
-use super::keys::{self, NodeKey, Said};
+use super::keys::{self, NodeKey, Role, Said};
 use crate::ros::{names::ros_type, transport::Offered};
 use std::{
     collections::BTreeSet,
@@ -39,7 +39,7 @@ impl Graph {
     /// Every publisher is paired with every subscription of the same type, whatever its quality of service.
     pub(in crate::ros) fn publishers(&self) -> Vec<Offered> {
         let publisher = |said: Said<'_>| {
-            let (topic, type_name) = said.topic.filter(|_| said.role == "MP")?;
+            let (topic, type_name) = said.topic.filter(|_| said.role == Role::Publisher)?;
             let type_name = ros_type(type_name);
             Some(Offered { topic, type_name, best_effort: false, volatile: false })
         };
@@ -48,11 +48,15 @@ impl Graph {
     }
 
     pub(in crate::ros) fn is_heard(&self, topic: &str) -> bool {
-        self.any(|said| said.role == "MS" && said.topic.is_some_and(|(name, _)| name == topic))
+        self.any(|said| {
+            said.role == Role::Subscription && said.topic.is_some_and(|(name, _)| name == topic)
+        })
     }
 
     pub(in crate::ros) fn has_another(&self, full_name: &str) -> bool {
-        self.any(|said| said.role == "NN" && said.session != self.own && said.node == full_name)
+        self.any(|said| {
+            said.role == Role::Node && said.session != self.own && said.node == full_name
+        })
     }
 
     fn any(&self, is_it: impl Fn(Said<'_>) -> bool) -> bool {

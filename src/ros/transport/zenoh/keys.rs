@@ -5,6 +5,7 @@ use ros2_client::{
     qos::{Durability, History, Reliability},
 };
 use sha2::{Digest, Sha256};
+use zenoh::{Result, Session, Wait, liveliness::LivelinessToken};
 
 /// Below it is said who is there.
 const ADMIN_SPACE: &str = "@ros2_lv";
@@ -33,6 +34,28 @@ pub(super) struct NodeKey {
     name: String,
 }
 
+/// What a token tells of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    Node,
+    Publisher,
+    Subscription,
+    Server,
+}
+
+impl Role {
+    const ALL: [Self; 4] = [Self::Node, Self::Publisher, Self::Subscription, Self::Server];
+
+    fn letters(self) -> &'static str {
+        match self {
+            Self::Node => "NN",
+            Self::Publisher => "MP",
+            Self::Subscription => "MS",
+            Self::Server => "SS",
+        }
+    }
+}
+
 /// A publisher, a subscription or a service.
 pub(super) struct End {
     /// Where messages go.
@@ -40,7 +63,7 @@ pub(super) struct End {
     /// The same, whatever the type's hash.
     pub(super) key_of_any_hash: String,
     /// What is said of it.
-    pub(super) token: String,
+    token: String,
 }
 
 impl NodeKey {
@@ -51,14 +74,14 @@ impl NodeKey {
 
     /// The node's own token.
     pub(super) fn token(&self) -> String {
-        self.said_of(0, "NN")
+        self.said_of(0, Role::Node)
     }
 
     /// An end with a number of its own, given the name of its topic, its type and the type's hash.
     pub(super) fn end(
         &self,
         number: u64,
-        role: &str,
+        role: Role,
         [name, type_name, hash]: [&str; 3],
         qos: &QosProfile,
     ) -> End {
@@ -71,14 +94,19 @@ impl NodeKey {
         }
     }
 
-    fn said_of(&self, number: u64, role: &str) -> String {
+    fn said_of(&self, number: u64, role: Role) -> String {
         let Self { domain, session, namespace, name } = self;
-        let namespace = without_slashes(namespace);
+        let (role, namespace) = (role.letters(), without_slashes(namespace));
         format!("{ADMIN_SPACE}/{domain}/{session}/0/{number}/{role}/%/{namespace}/{name}")
     }
 }
 
 impl End {
+    /// Tells others of it, for as long as the token lives.
+    pub(super) fn announce(&self, session: &Session) -> Result<LivelinessToken> {
+        session.liveliness().declare_token(self.token.as_str()).wait()
+    }
+
     /// Sixteen bytes that name it.
     pub(super) fn gid(&self) -> [u8; GID] {
         let digest = Sha256::digest(&self.token);
@@ -92,20 +120,21 @@ pub(super) const GID: usize = 16;
 /// A token, read.
 pub(super) struct Said<'a> {
     pub(super) session: &'a str,
-    pub(super) role: &'a str,
+    pub(super) role: Role,
     pub(super) node: String,
     /// Topic and type; nothing for a node.
     pub(super) topic: Option<(String, &'a str)>,
 }
 
 impl<'a> Said<'a> {
-    /// Nothing for what is no token of ROS 2.
+    /// Nothing for what is of no use here.
     pub(super) fn parse(token: &'a str) -> Option<Self> {
         let parts: Vec<&str> = token.split('/').collect();
         let [ADMIN_SPACE, _, session, _, _, role, _, namespace, name, rest @ ..] = parts.as_slice()
         else {
             return None;
         };
+        let role = Role::ALL.into_iter().find(|known| known.letters() == *role)?;
         let namespace = namespace.replace('%', "/");
         let topic = match rest {
             [topic, type_name, ..] => Some((topic.replace('%', "/"), *type_name)),

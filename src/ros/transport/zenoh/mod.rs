@@ -12,7 +12,7 @@ mod session;
 pub(in crate::ros) use ends::{Publisher, Request, Server, Subscription};
 pub(in crate::ros) use graph::Graph;
 
-use self::keys::{End, NodeKey};
+use self::keys::{End, NodeKey, Role};
 use crate::{
     msg::{schema_text, type_hash},
     ros::{
@@ -58,8 +58,8 @@ impl Node {
         kind: &str,
         qos: &QosProfile,
     ) -> Result<Subscription, NotCreated> {
-        let (end, token) = self.end("MS", topic, kind, qos)?;
-        Subscription::new(&self.session, &end, token, qos).map_err(|e| NotCreated::new(topic, e))
+        let end = self.end(Role::Subscription, topic, kind, qos)?;
+        Subscription::new(&self.session, &end, qos).map_err(|e| NotCreated::new(topic, e))
     }
 
     pub(super) fn publisher(
@@ -68,8 +68,8 @@ impl Node {
         kind: &str,
         qos: &QosProfile,
     ) -> Result<Publisher, NotCreated> {
-        let (end, token) = self.end("MP", topic, kind, qos)?;
-        Publisher::new(&self.session, &end, token, qos).map_err(|e| NotCreated::new(topic, e))
+        let end = self.end(Role::Publisher, topic, kind, qos)?;
+        Publisher::new(&self.session, &end, qos).map_err(|e| NotCreated::new(topic, e))
     }
 
     /// Waits for subscribers that are too slow: nothing of a recording is to be lost.
@@ -83,33 +83,29 @@ impl Node {
     }
 
     pub(super) fn server(&mut self, name: &str, kind: &str) -> Result<Server, NotCreated> {
-        let (end, token) = self.end("SS", name, kind, &qos::service())?;
-        Server::new(&self.session, &end, token).map_err(|e| NotCreated::new(name, e))
+        let end = self.end(Role::Server, name, kind, &qos::service())?;
+        Server::new(&self.session, &end).map_err(|e| NotCreated::new(name, e))
     }
 
     pub(super) fn graph(&self) -> Graph {
         self.graph.clone()
     }
 
-    /// A new end of this node, and the token that tells others of it.
+    /// A new end of this node.
     fn end(
         &mut self,
-        role: &str,
+        role: Role,
         name: &str,
         kind: &str,
         qos: &QosProfile,
-    ) -> Result<(End, LivelinessToken), NotCreated> {
+    ) -> Result<End, NotCreated> {
         parsed(name)?;
         self.ends += 1;
-        let message_hash = |text: String| type_hash::message_hash(kind, &text);
-        let hash = if role == "SS" {
-            type_hash::service_hash(kind)
-        } else {
-            schema_text(kind).and_then(message_hash)
+        let hash = match role {
+            Role::Server => type_hash::service_hash(kind),
+            _ => schema_text(kind).and_then(|text| type_hash::message_hash(kind, &text)),
         };
         let hash = keys::hash_of_distribution(hash);
-        let end = self.key.end(self.ends, role, [name, &dds_type(kind), &hash], qos);
-        let token = self.session.liveliness().declare_token(end.token.as_str()).wait();
-        Ok((end, token.map_err(|e| NotCreated::new(name, e))?))
+        Ok(self.key.end(self.ends, role, [name, &dds_type(kind), &hash], qos))
     }
 }
