@@ -10,7 +10,7 @@ use crate::{
     geometry::yaw_of,
     io::{BagInput, Remap, Roles, load_saved_map},
     mapping::{Relocalised, SavedMap},
-    pipeline::{Dropped, ObjectSlam, StartPose, Update},
+    pipeline::{Dropped, ObjectSlam, Settings, StartPose, Update},
     time::Stamp,
 };
 use anyhow::{Context, anyhow};
@@ -130,17 +130,19 @@ fn load_map(path: &Path) -> anyhow::Result<SavedMap> {
     load_saved_map(path).with_context(|| path.display().to_string())
 }
 
+/// An empty map, or the one that is continued.
+fn begin(args: &Args, settings: Settings) -> Result<ObjectSlam, Failure> {
+    let Some(path) = &args.map else { return Ok(ObjectSlam::new(settings)) };
+    let start = args.start.and_then(|start| start.map_from_base());
+    Ok(ObjectSlam::continuing(settings, load_map(path)?, start))
+}
+
 /// Replays the bag and writes the results.
 pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let started = now();
     let parameters = load_parameters(args.config.as_deref())?;
     let input = BagInput::open(&args.bag, &args.remaps)?;
-    let settings = parameters.slam.clone();
-    let start = args.start.and_then(|start| start.map_from_base());
-    let mut slam = match &args.map {
-        Some(path) => ObjectSlam::continuing(settings, load_map(path)?, start),
-        None => ObjectSlam::new(settings),
-    };
+    let mut slam = begin(args, parameters.slam.clone())?;
     let mut run = Run::new(Results::create(folder, &parameters.node)?);
     let progress = ProgressBar::new(input.message_count());
     let mut inputs = input.inputs();

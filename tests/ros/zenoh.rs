@@ -110,6 +110,18 @@ fn a_node_that_starts_before_the_router_says_so_and_meets_others_later() {
     assert!(!said.contains("nobody listens"), "{said}");
 }
 
+#[test]
+fn what_is_no_setting_of_zenoh_is_named() {
+    let network = Network::new();
+    for wrong in ["nonsense", "mode=\"pear\"", "no/such=1"] {
+        let mut node = network.program(&["node"]);
+        let refused = node.env("ZENOH_CONFIG_OVERRIDE", wrong).output().unwrap();
+        assert_eq!(refused.status.code(), Some(1));
+        let said = String::from_utf8_lossy(&refused.stderr);
+        assert!(said.contains(wrong) && said.lines().count() == 1, "{said}");
+    }
+}
+
 const NO_ROUTER: &str = "no Zenoh router answers yet";
 
 /// Against the hashes that ROS 2's own generator wrote into its packages, and makes of our files.
@@ -118,7 +130,8 @@ fn hashes_of_types_are_those_of_ros_2() {
     let python = environment::python(REQUIREMENTS).unwrap();
     let share = python.ancestors().nth(2).unwrap().join("share");
     let ours = run(Command::new(python).arg("tests/ros/zenoh_hashes.py")).unwrap();
-    let ours: BTreeMap<String, String> = serde_json::from_str(ours.lines().last().unwrap()).unwrap();
+    let ours: BTreeMap<String, String> =
+        serde_json::from_str(ours.lines().last().unwrap()).unwrap();
     let published = |name: &str| {
         if let Some(hash) = ours.get(name) {
             return hash.clone();

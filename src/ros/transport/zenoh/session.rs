@@ -8,7 +8,7 @@ use zenoh::{Config, Session, Wait};
 pub(super) fn open() -> Result<Session, String> {
     let mut config = match variable("ZENOH_SESSION_CONFIG_URI") {
         Some(file) => Config::from_file(&file)
-            .map_err(|e| format!("ZENOH_SESSION_CONFIG_URI names {file}: {e}"))?,
+            .map_err(|e| format!("ZENOH_SESSION_CONFIG_URI names {file}: {}", said(&e)))?,
         None => with(Config::default(), "the default", DEFAULT)?,
     };
     if let Some(given) = variable("ZENOH_CONFIG_OVERRIDE") {
@@ -17,7 +17,7 @@ pub(super) fn open() -> Result<Session, String> {
             entries.map(|entry| entry.split_once('=').unwrap_or((entry, ""))).collect();
         config = with(config, "ZENOH_CONFIG_OVERRIDE", &entries)?;
     }
-    let session = zenoh::open(config).wait().map_err(|e| e.to_string())?;
+    let session = zenoh::open(config).wait().map_err(|e| said(&e))?;
     let info = session.info();
     if info.routers_zid().wait().chain(info.peers_zid().wait()).next().is_none() {
         tracing::warn!(
@@ -41,11 +41,22 @@ const DEFAULT: &[(&str, &str)] = &[
 
 fn with(mut config: Config, source: &str, entries: &[(&str, &str)]) -> Result<Config, String> {
     for (key, value) in entries {
-        config
-            .insert_json5(key.trim(), value.trim())
-            .map_err(|e| format!("{source} has `{key}={value}`: {e}"))?;
+        config.insert_json5(key.trim(), value.trim()).map_err(|_| {
+            format!(
+                "{source} has `{key}={value}`, which is no setting of Zenoh with a value in JSON5"
+            )
+        })?;
     }
     Ok(config)
+}
+
+/// What went wrong, without the place in Zenoh's source.
+fn said(error: &zenoh::Error) -> String {
+    let text = error.to_string();
+    match text.rsplit_once(" at ") {
+        Some((said, place)) if place.contains(".rs:") => said.to_owned(),
+        _ => text,
+    }
 }
 
 fn variable(name: &str) -> Option<String> {
