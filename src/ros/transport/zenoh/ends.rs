@@ -34,7 +34,7 @@ pub(in crate::ros) struct Publisher {
     _token: LivelinessToken,
 }
 
-/// A subscription that was lost on its way is noticed after this time at the latest.
+/// The last message of a latched topic that was lost on its way is asked for again after this time.
 const HEARTBEAT: Duration = Duration::from_millis(500);
 
 impl Publisher {
