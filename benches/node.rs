@@ -7,12 +7,12 @@ use anyhow::{Context as _, Result, ensure};
 use ellipsoid_slam::{
     io::{BagReader, RawMessage},
     msg::{Message, cdr, vision_msgs::Detection2DArray, visualization_msgs::MarkerArray},
-    ros::{DdsDomain, Player},
+    ros::{Domain, Middleware, Player},
     time::Stamp,
 };
 use ros2_client::{
-    Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, Subscription,
-    dds::rustdds::DomainParticipantBuilder,
+    MessageTypeName, Name, NodeName, NodeOptions, QosProfile,
+    dds::{Context, Subscription, rustdds::DomainParticipantBuilder},
     qos::{History, WhenFull},
 };
 use std::{
@@ -52,7 +52,8 @@ fn main() -> Result<()> {
     let listener = thread::spawn(move || listen(&told, &stopped));
     let mut node = Node::start()?;
     let topics = frames.topics.iter().map(|(topic, kind)| (topic.as_str(), kind.as_str()));
-    let player = Player::new(DdsDomain { id: DOMAIN, local_only: true }, topics, false)?;
+    let domain = Domain { id: DOMAIN, local_only: true, middleware: Middleware::Dds };
+    let player = Player::new(domain, topics, false)?;
     ensure!(player.wait_for_listeners(Duration::from_secs(60)) >= 4, "the node does not listen");
     let load = publish(&frames, &player, seconds, &node)?;
     thread::sleep(Duration::from_secs(3));

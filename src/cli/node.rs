@@ -5,7 +5,7 @@ use crate::{
     config::{LogLevel, MapFileSettings, Parameters, RosArguments},
     io::{load_saved_map, save_map},
     mapping::SavedMap,
-    ros::{DdsDomain, LogLines, MapFiles, run_node},
+    ros::{Domain, LogLines, MapFiles, run_node},
 };
 use anyhow::anyhow;
 use clap::Parser;
@@ -63,7 +63,7 @@ pub(super) fn run(args: &Args, lines: LogLines) -> Outcome {
             save_map(path, map).map_err(|e| format!("cannot write {}: {e}", path.display()))
         }),
     };
-    run_node(DdsDomain::from_environment()?, &arguments, parameters, files, lines)?;
+    run_node(Domain::from_environment()?, &arguments, parameters, files, lines)?;
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use super::{Failure, Outcome, timing::now};
 use crate::{
     io::BagReader,
-    ros::{DdsDomain, Player},
+    ros::{Domain, Player},
 };
 use clap::Parser;
 use std::{path::PathBuf, thread, time::Duration};
@@ -43,7 +43,7 @@ pub(super) fn run(args: &Args) -> Outcome {
     }
     let topics = bag.topics().iter().filter(|topic| topic.encoding == "cdr" && wanted(&topic.name));
     let topics = topics.map(|topic| (topic.name.as_str(), topic.type_name.as_str()));
-    let player = Player::new(DdsDomain::from_environment()?, topics, args.clock)?;
+    let player = Player::new(Domain::from_environment()?, topics, args.clock)?;
     let heard = player.wait_for_listeners(Duration::from_secs_f64(args.wait.clamp(0.0, 3600.0)));
     if heard == 0 {
         eprintln!("warning: nobody listens to any of the bag's topics yet");

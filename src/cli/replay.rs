@@ -7,16 +7,15 @@ use super::{
 };
 use crate::{
     config::{Parameters, parameters_from_yaml},
-    geometry::{Pose, yaw_of},
+    geometry::yaw_of,
     io::{BagInput, Remap, Roles, load_saved_map},
     mapping::{Relocalised, SavedMap},
-    pipeline::{Dropped, ObjectSlam, Update},
+    pipeline::{Dropped, ObjectSlam, Settings, StartPose, Update},
     time::Stamp,
 };
 use anyhow::{Context, anyhow};
 use clap::Parser;
 use indicatif::ProgressBar;
-use nalgebra::Vector3;
 use serde::Serialize;
 use std::{
     collections::BTreeMap,
@@ -36,8 +35,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     pub(super) map: Option<PathBuf>,
     /// About where the base starts in that map (m, m, deg); without it the place is recognised by its objects.
-    #[arg(long, value_name = "X,Y,YAW", requires = "map", value_parser = start_pose, allow_hyphen_values = true)]
-    pub(super) start: Option<Pose>,
+    #[arg(long, value_name = "X,Y,YAW", requires = "map", allow_hyphen_values = true)]
+    pub(super) start: Option<StartPose>,
     /// Folder for the results; by default the bag's name with `_result`, here.
     #[arg(long, short, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
@@ -131,15 +130,11 @@ fn load_map(path: &Path) -> anyhow::Result<SavedMap> {
     load_saved_map(path).with_context(|| path.display().to_string())
 }
 
-/// A pose on the ground from `X,Y,YAW` (m, m, deg).
-fn start_pose(text: &str) -> Result<Pose, String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
-    match numbers[..] {
-        [x, y, yaw_deg] if [x, y, yaw_deg].iter().all(|v| v.is_finite()) => {
-            Ok(Pose::new(Vector3::new(x, y, 0.0), Vector3::z() * yaw_deg.to_radians()))
-        }
-        _ => Err("expected three numbers X,Y,YAW: metres, metres, degrees".into()),
-    }
+/// An empty map, or the one that is continued.
+fn begin(args: &Args, settings: Settings) -> Result<ObjectSlam, Failure> {
+    let Some(path) = &args.map else { return Ok(ObjectSlam::new(settings)) };
+    let start = args.start.and_then(|start| start.map_from_base());
+    Ok(ObjectSlam::continuing(settings, load_map(path)?, start))
 }
 
 /// Replays the bag and writes the results.
@@ -147,11 +142,7 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let started = now();
     let parameters = load_parameters(args.config.as_deref())?;
     let input = BagInput::open(&args.bag, &args.remaps)?;
-    let settings = parameters.slam.clone();
-    let mut slam = match &args.map {
-        Some(path) => ObjectSlam::continuing(settings, load_map(path)?, args.start),
-        None => ObjectSlam::new(settings),
-    };
+    let mut slam = begin(args, parameters.slam.clone())?;
     let mut run = Run::new(Results::create(folder, &parameters.node)?);
     let progress = ProgressBar::new(input.message_count());
     let mut inputs = input.inputs();

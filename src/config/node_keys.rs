@@ -36,6 +36,11 @@ pub(super) const NODE_KEYS: &[Key] = &[
     other("map", "The map's file."),
     other("map.file", "where the map is saved and loaded; empty: nowhere"),
     other("map.load_on_start", "load it when the node starts").at_start(),
+    other(
+        "map.start_pose",
+        "where the base is in it then: X,Y,YAW [m, m, deg]; empty: its objects tell",
+    )
+    .at_start(),
     other("map.save_on_shutdown", "save it when the node is stopped"),
     other("publish", "What is published besides markers, boxes, objects, path and odometry."),
     other("publish.cuboids", "mark objects by the box round them, too"),

@@ -1,5 +1,6 @@
 //! Settings of the live node: topics, frames, files, and what is published.
 
+use crate::pipeline::StartPose;
 use serde::{Deserialize, Serialize};
 
 /// What a live node is told besides the settings of the method.
@@ -118,6 +119,8 @@ pub struct MapFileSettings {
     pub file: String,
     /// Whether it is loaded at the start.
     pub load_on_start: bool,
+    /// Where the base is in it then.
+    pub start_pose: StartPose,
     /// Whether it is saved when the node is stopped.
     pub save_on_shutdown: bool,
 }

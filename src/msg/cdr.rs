@@ -3,7 +3,7 @@
 //! No length field is trusted: `cdr-encoding` takes bytes and strings as slices of the input, and serde reserves
 //! at most a megabyte for a sequence before its elements have been read.
 
-use crate::msg::{Message, std_msgs::Header};
+use crate::msg::{Message, Service, std_msgs::Header};
 use byteorder::{BigEndian, LittleEndian};
 use serde::{Serialize, de::DeserializeOwned};
 use thiserror::Error;
@@ -62,17 +62,35 @@ pub fn decode_header(bytes: &[u8]) -> Result<Header, CdrError> {
 /// # Errors
 /// When a string or sequence is longer than CDR can say.
 pub fn encode<T: Message>(message: &T) -> Result<Vec<u8>, CdrError> {
-    let mut bytes = vec![0, 1, 0, 0];
-    cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, message)
-        .map_err(|e| CdrError::NotWritable { type_name: T::TYPE, problem: e.to_string() })?;
-    Ok(bytes)
+    encode_as(message, T::TYPE)
+}
+
+/// What a client asks of a service, from CDR bytes.
+///
+/// # Errors
+/// When the bytes are not a request of `S`.
+pub fn decode_request<S: Service>(bytes: &[u8]) -> Result<S::Request, CdrError> {
+    decode_as(bytes, S::TYPE)
+}
+
+/// CDR bytes of what a client gets back.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_response<S: Service>(response: &S::Response) -> Result<Vec<u8>, CdrError> {
+    encode_as(response, S::TYPE)
 }
 
 /// How many bytes a value takes in CDR, with the header; nothing if it cannot be written.
 pub fn encoded_len<T: Serialize>(value: &T) -> Option<usize> {
+    encode_as(value, "").ok().map(|bytes| bytes.len())
+}
+
+fn encode_as<T: Serialize>(value: &T, type_name: &'static str) -> Result<Vec<u8>, CdrError> {
     let mut bytes = vec![0, 1, 0, 0];
-    cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, value).ok()?;
-    Some(bytes.len())
+    cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, value)
+        .map_err(|e| CdrError::NotWritable { type_name, problem: e.to_string() })?;
+    Ok(bytes)
 }
 
 fn decode_as<T: DeserializeOwned>(bytes: &[u8], type_name: &'static str) -> Result<T, CdrError> {

@@ -23,6 +23,8 @@ pub mod coco;
 pub mod convert;
 mod schema;
 mod skipped;
+#[cfg(feature = "zenoh")]
+pub mod type_hash;
 
 pub use schema::schema_text;
 pub use skipped::{SkipCount, Skipped};
@@ -36,11 +38,11 @@ pub trait Message: Serialize + DeserializeOwned {
 }
 
 /// A ROS 2 service type.
-pub trait Service {
+pub trait Service: 'static {
     /// The type's name, `package/srv/Name`.
     const TYPE: &'static str;
     /// What a client sends.
-    type Request: Serialize + DeserializeOwned;
+    type Request: Serialize + DeserializeOwned + Clone;
     /// What it gets back.
     type Response: Serialize + DeserializeOwned;
 }

@@ -19,11 +19,11 @@ pub fn schema_text(type_name: &str) -> Option<String> {
     Some(text)
 }
 
-const SEPARATOR: &str =
+pub(super) const SEPARATOR: &str =
     "================================================================================";
 
 /// Text of the `.msg` file of `pkg/Name`.
-fn definition(name: &str) -> Option<&'static str> {
+pub(super) fn definition(name: &str) -> Option<&'static str> {
     DEFINITIONS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
@@ -39,7 +39,7 @@ fn parts_of(name: &str) -> Vec<String> {
         .collect()
 }
 
-fn without_comment(line: &str) -> &str {
+pub(super) fn without_comment(line: &str) -> &str {
     line.split('#').next().unwrap_or_default()
 }
 
@@ -130,6 +130,7 @@ const DEFINITIONS: &[(&str, &str)] = &[
         "diagnostic_msgs/DiagnosticArray",
         include_str!("../../msg/ros/diagnostic_msgs/DiagnosticArray.msg"),
     ),
+    ("rcl_interfaces/Log", include_str!("../../msg/ros/rcl_interfaces/Log.msg")),
     ("rosgraph_msgs/Clock", include_str!("../../msg/ros/rosgraph_msgs/Clock.msg")),
     (
         "rtabmap_msgs/LandmarkDetection",

@@ -5,6 +5,7 @@ mod history;
 mod input;
 mod settings;
 mod slam;
+mod start_pose;
 mod sync;
 mod transforms;
 
@@ -15,4 +16,5 @@ pub use input::{
 };
 pub use settings::Settings;
 pub use slam::{BoxResult, FramePose, Keyframe, ObjectSlam, Update};
+pub use start_pose::{NoStartPose, StartPose};
 pub use sync::{Dropped, SyncSettings};

@@ -5,7 +5,7 @@ use super::{
     history::{History, Jump, Outside},
 };
 use crate::{geometry::Pose, time::Stamp};
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, iter};
 use thiserror::Error;
 
 /// Transforms of the last seconds, as a tree of frames.
@@ -54,44 +54,39 @@ impl Transforms {
         self.parents.values_mut().for_each(|parent| parent.history.jump_back(jump));
     }
 
-    /// `to_from_from` at a time.
+    /// `to_from_from` at a time. Only what is below the nearest frame that both hang on has to be known: what corrects
+    /// `map -> odom` says nothing of where a camera is on its base.
     pub(super) fn lookup(&self, to: &str, from: &str, at: Stamp) -> Result<Pose, TransformError> {
-        let (to_root, to_chain) = self.chain(to, at)?;
-        let (from_root, from_chain) = self.chain(from, at)?;
-        if to_root != from_root {
+        let above: Vec<&str> = self.upwards(to).collect();
+        let Some(common) = self.upwards(from).find(|frame| above.contains(frame)) else {
             return Err(TransformError::NotConnected { from: from.into(), to: to.into() });
-        }
-        Ok(to_chain.inverse() * from_chain)
+        };
+        Ok(self.chain(common, to, at)?.inverse() * self.chain(common, from, at)?)
     }
 
     /// Whether a chain of transforms connects two frames at any time.
     pub(super) fn connects(&self, a: &str, b: &str) -> bool {
-        self.root(a) == self.root(b)
+        self.upwards(a).last() == self.upwards(b).last()
     }
 
-    fn root<'a>(&'a self, mut frame: &'a str) -> &'a str {
-        for _ in 0..MAX_DEPTH {
-            match self.parents.get(frame) {
-                Some(parent) => frame = &parent.frame_id,
-                None => break,
-            }
-        }
-        frame
+    /// A frame and those above it, up to the root.
+    fn upwards<'a>(&'a self, frame: &'a str) -> impl Iterator<Item = &'a str> {
+        let parent = |frame: &&str| self.parents.get(*frame).map(|parent| parent.frame_id.as_str());
+        iter::successors(Some(frame), parent).take(MAX_DEPTH)
     }
 
-    /// The root above `frame` and `root_from_frame`.
-    fn chain<'a>(&'a self, frame: &'a str, at: Stamp) -> Result<(&'a str, Pose), TransformError> {
-        let (mut root, mut root_from_frame) = (frame, Pose::identity());
-        for _ in 0..MAX_DEPTH {
-            let Some(parent) = self.parents.get(root) else { break };
+    /// `above_from_frame` for a frame above.
+    fn chain(&self, above: &str, frame: &str, at: Stamp) -> Result<Pose, TransformError> {
+        let mut above_from_frame = Pose::identity();
+        for frame in self.upwards(frame).take_while(|frame| *frame != above) {
+            let Some(parent) = self.parents.get(frame) else { break };
             let step = parent.history.at(at).map_err(|outside| match outside {
-                Outside::After => TransformError::TooEarly { frame: root.into(), at },
-                Outside::Before => TransformError::TooLate { frame: root.into(), at },
+                Outside::After => TransformError::TooEarly { frame: frame.into(), at },
+                Outside::Before => TransformError::TooLate { frame: frame.into(), at },
             })?;
-            root_from_frame = step * root_from_frame;
-            root = &parent.frame_id;
+            above_from_frame = step * above_from_frame;
         }
-        Ok((root, root_from_frame))
+        Ok(above_from_frame)
     }
 }
 

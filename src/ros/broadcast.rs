@@ -1,8 +1,7 @@
 //! `map → odom`, steadily.
 
-use super::{status::Shared, topic::send};
+use super::{status::Shared, topic::send, transport::Publisher};
 use crate::{config::Parameters, msg::tf2_msgs::TFMessage};
-use ros2_client::Publisher;
 use std::time::Duration;
 use tokio::{
     sync::watch,

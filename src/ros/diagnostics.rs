@@ -4,16 +4,15 @@ use super::{
     discovery,
     inbox::{Inbox, Overflow},
     problems::{Problem, Problems},
-    same_name::SameName,
     status::{Shared, Status, now},
     subscriptions::Listening,
     topic::send,
+    transport::{Graph, Publisher},
 };
 use crate::msg::{
     convert::header,
     diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
 };
-use ros2_client::{Publisher, dds::rustdds::DomainParticipant};
 use std::{
     collections::BTreeMap,
     sync::Arc,
@@ -25,9 +24,8 @@ use tokio::time::{MissedTickBehavior, interval};
 pub(super) struct Diagnostics {
     pub(super) publisher: Publisher<DiagnosticArray>,
     pub(super) node: String,
-    pub(super) participant: DomainParticipant,
     pub(super) listening: Vec<Listening>,
-    pub(super) same_name: SameName,
+    pub(super) graph: Graph,
     pub(super) inbox: Arc<Inbox>,
     pub(super) status: Shared,
     pub(super) problems: Problems,
@@ -75,9 +73,10 @@ impl Diagnostics {
 
     /// What is wrong now.
     fn look(&mut self, now: Instant) -> Vec<Problem> {
-        let writers = self.participant.discovered_writers();
-        let mut found = discovery::problems(&self.listening, &writers);
-        found.extend(self.same_name.problem(&writers));
+        let mut found = discovery::problems(&self.listening, &self.graph.publishers());
+        if self.graph.has_another(&self.node) {
+            found.push(discovery::same_name(&self.node));
+        }
         let overflow = self.inbox.dropped();
         let status = self.status.lock();
         for input in self.listening.iter().filter(|input| input.needed) {

@@ -5,33 +5,30 @@ use super::{
     clock,
     color::ColorImages,
     diagnostics::{Counts, Diagnostics},
+    domain::{Domain, DomainError},
     inbox::Inbox,
-    names::{NameError, node_name},
+    names::node_name,
     outputs::Outputs,
     parameters::Live,
-    participant::{DdsDomain, DomainError},
     perceiver::{MOST_JOBS, Perceiver},
     problems::Problems,
     qos,
     rosout::LogLines,
-    same_name::SameName,
     services::serve_map,
     status::Shared,
     subscriptions::{Listening, Subscriptions},
-    topic::Ends,
+    transport::Node,
     worker::{MapFiles, Worker},
 };
 use crate::{
     config::{NodeSettings, Parameters, RosArguments},
     pipeline::{FrontEnd, ObjectSlam},
 };
-use ros2_client::{Context, Node, NodeOptions};
 use std::{
     fmt::Display,
     io,
     sync::{Arc, mpsc},
     thread,
-    time::Duration,
 };
 use thiserror::Error;
 use tokio::{
@@ -47,9 +44,6 @@ pub enum NodeError {
     /// The network.
     #[error(transparent)]
     Domain(#[from] DomainError),
-    /// A name.
-    #[error(transparent)]
-    Name(#[from] NameError),
     /// The node itself, a publisher or a subscription.
     #[error(transparent)]
     Create(#[from] NotCreated),
@@ -61,7 +55,7 @@ pub enum NodeError {
     WorkerEnded,
 }
 
-/// A node, publisher, subscription or service that DDS does not make.
+/// A publisher, subscription or service that the middleware does not make, or a name that ROS 2 does not allow.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{what} cannot be created: {problem}")]
 pub struct NotCreated {
@@ -70,7 +64,7 @@ pub struct NotCreated {
 }
 
 impl NotCreated {
-    /// `what` is a topic, a service or a node; `problem` is what DDS said.
+    /// `what` is a topic, a service or a node; `problem` is what the middleware said.
     pub(super) fn new(what: &str, problem: impl Display) -> Self {
         Self { what: what.to_owned(), problem: problem.to_string() }
     }
@@ -81,7 +75,7 @@ impl NotCreated {
 /// # Errors
 /// When it cannot start, or its worker ends.
 pub fn run_node(
-    domain: DdsDomain,
+    domain: Domain,
     arguments: &RosArguments,
     parameters: Parameters,
     files: MapFiles,
@@ -92,32 +86,21 @@ pub fn run_node(
         let _inside = runtime.enter();
         Signals::listen()?
     };
-    let context = domain.join()?;
     let name = arguments.full_name();
-    let node = context
-        .new_node(
-            node_name(arguments.namespace(), arguments.node())?,
-            NodeOptions::new().start_parameter_services(false).enable_rosout(false),
-        )
-        .map_err(|e| NotCreated::new(&name, e))?;
+    let node = Node::join(domain, node_name(arguments.namespace(), arguments.node())?)?;
     let tasks = LocalSet::new();
-    let mut start = Start { context: &context, node, arguments, tasks: &tasks };
+    let mut start = Start { node, arguments, tasks: &tasks };
     let running = start.everything(parameters, files)?;
     start.log(lines)?;
     tracing::info!("{name} runs in domain {}", domain.id);
     let outcome = runtime.block_on(tasks.run_until(running.until_stopped(signals)));
-    // Tasks with their subscriptions and publishers go first, then the node, then the context: otherwise others would
-    // believe the node to be alive. The context stops sending when it goes, also what it was given before.
+    // Tasks with their subscriptions and publishers go before the node: otherwise others would believe it to be alive.
     let Start { node, .. } = start;
     drop(tasks);
-    drop(node);
     drop(runtime);
-    thread::sleep(GOODBYE);
+    drop(node);
     outcome
 }
-
-/// Time for the last words to be sent, and once more where they were lost.
-const GOODBYE: Duration = Duration::from_millis(500);
 
 /// What ends the node in order, also while it still starts.
 struct Signals {
@@ -134,7 +117,6 @@ impl Signals {
 
 /// What parts of the node are made from.
 struct Start<'a> {
-    context: &'a Context,
     node: Node,
     arguments: &'a RosArguments,
     tasks: &'a LocalSet,
@@ -169,17 +151,17 @@ impl Start<'_> {
         let worker = Worker {
             slam: ObjectSlam::new(parameters.slam.clone()),
             parameters,
-            outputs: Outputs::create(self.ends(), arguments, &own, correction, color.clone())?,
+            outputs: Outputs::create(&mut self.node, arguments, &own, correction, color.clone())?,
             jobs,
             status: status.clone(),
             files,
         };
-        let tf = self.ends().publisher(&arguments.resolve("/tf"), qos::tf())?;
+        let tf = self.node.publisher(&arguments.resolve("/tf"), &qos::tf())?;
         self.tasks.spawn_local(broadcast(tf, corrected, status.clone(), live.watch()));
         live.serve(&mut self.node, arguments, self.tasks)?;
         serve_map(&mut self.node, arguments, &inbox, self.tasks)?;
         if own.use_sim_time {
-            self.tasks.spawn_local(clock::follow(self.ends(), status.clone())?);
+            self.tasks.spawn_local(clock::follow(&mut self.node, status.clone())?);
         }
         let listening = self.subscriptions(&own, &inbox, &status, color)?;
         self.diagnostics(listening, &inbox, &status)?;
@@ -193,10 +175,6 @@ impl Start<'_> {
         Ok(Running { inbox, worker, ended })
     }
 
-    fn ends(&mut self) -> Ends<'_> {
-        Ends { context: self.context, node: &mut self.node }
-    }
-
     fn subscriptions(
         &mut self,
         own: &NodeSettings,
@@ -205,7 +183,7 @@ impl Start<'_> {
         color: ColorImages,
     ) -> Result<Vec<Listening>, NodeError> {
         let mut subscriptions = Subscriptions {
-            ends: Ends { context: self.context, node: &mut self.node },
+            node: &mut self.node,
             arguments: self.arguments,
             inbox,
             status,
@@ -221,7 +199,7 @@ impl Start<'_> {
 
     fn log(&mut self, lines: LogLines) -> Result<(), NodeError> {
         let logger = self.arguments.logger();
-        self.tasks.spawn_local(lines.publish(self.ends(), logger)?);
+        self.tasks.spawn_local(lines.publish(&mut self.node, logger)?);
         Ok(())
     }
 
@@ -234,11 +212,10 @@ impl Start<'_> {
         let topic = self.arguments.resolve("/diagnostics");
         let name = self.arguments.full_name();
         let diagnostics = Diagnostics {
-            publisher: self.ends().publisher(&topic, qos::stream(10))?,
-            node: name.clone(),
-            participant: self.context.domain_participant(),
+            publisher: self.node.publisher(&topic, &qos::stream(10))?,
+            node: name,
             listening,
-            same_name: SameName::listen(self.context, &mut self.node, name)?,
+            graph: self.node.graph()?,
             inbox: Arc::clone(inbox),
             status: status.clone(),
             problems: Problems::default(),

@@ -2,9 +2,10 @@
 
 use super::{
     color::ColorImages,
-    node::NodeError,
+    node::NotCreated,
     qos,
-    topic::{Ends, Latched, send},
+    topic::{Latched, send},
+    transport::{Node, Publisher},
 };
 use crate::{
     config::{NodeSettings, PublishSettings, RosArguments},
@@ -25,7 +26,6 @@ use crate::{
     publication::{Outgoing, OutputTopic, Publication, draw_debug_image, query_objects},
     time::Stamp,
 };
-use ros2_client::Publisher;
 use tokio::sync::watch;
 
 /// All outputs that follow from an update.
@@ -54,16 +54,16 @@ struct Topics {
 
 impl Outputs {
     pub(super) fn create(
-        ends: Ends<'_>,
+        node: &mut Node,
         arguments: &RosArguments,
         settings: &NodeSettings,
         transforms: watch::Sender<Option<TFMessage>>,
         color: ColorImages,
-    ) -> Result<Self, NodeError> {
+    ) -> Result<Self, NotCreated> {
         Ok(Self {
             publication: Publication::new(settings.publish, &settings.map_frame),
             map_frame: settings.map_frame.clone(),
-            topics: Topics::create(ends, arguments, transforms)?,
+            topics: Topics::create(node, arguments, transforms)?,
             color,
             draws: settings.publish.debug_image,
         })
@@ -127,11 +127,11 @@ impl Outputs {
 
 impl Topics {
     fn create(
-        ends: Ends<'_>,
+        node: &mut Node,
         arguments: &RosArguments,
         transforms: watch::Sender<Option<TFMessage>>,
-    ) -> Result<Self, NodeError> {
-        let mut on = On { ends, arguments };
+    ) -> Result<Self, NotCreated> {
+        let mut on = On { node, arguments };
         Ok(Self {
             transforms,
             odometry: on.stream(OutputTopic::Odometry)?,
@@ -176,18 +176,18 @@ impl Topics {
 
 /// Where publishers are made.
 struct On<'a> {
-    ends: Ends<'a>,
+    node: &'a mut Node,
     arguments: &'a RosArguments,
 }
 
 impl On<'_> {
-    fn stream<M: Message>(&mut self, topic: OutputTopic) -> Result<Publisher<M>, NodeError> {
-        self.ends.publisher(&self.arguments.resolve(topic.name()), qos::stream(STREAM_DEPTH))
+    fn stream<M: Message>(&mut self, topic: OutputTopic) -> Result<Publisher<M>, NotCreated> {
+        self.node.publisher(&self.arguments.resolve(topic.name()), &qos::stream(STREAM_DEPTH))
     }
 
-    fn latched<M: Message>(&mut self, topic: OutputTopic) -> Result<Latched<M>, NodeError> {
+    fn latched<M: Message>(&mut self, topic: OutputTopic) -> Result<Latched<M>, NotCreated> {
         let publisher =
-            self.ends.publisher(&self.arguments.resolve(topic.name()), qos::latched())?;
+            self.node.publisher(&self.arguments.resolve(topic.name()), &qos::latched())?;
         Ok(Latched::new(publisher))
     }
 }

@@ -2,8 +2,9 @@
 
 use super::{
     inbox::Inbox,
-    node::NodeError,
+    node::NotCreated,
     services::{fits, serve},
+    transport::Node,
     worker::Command,
 };
 use crate::{
@@ -11,7 +12,6 @@ use crate::{
     msg::Service,
 };
 use ros2_client::{
-    Node,
     parameters::raw::{
         self, FloatingPointRange, ParameterDescriptor, ParameterType, ParameterValue,
         SetParametersResult,
@@ -77,12 +77,13 @@ impl Live {
         node: &mut Node,
         arguments: &RosArguments,
         tasks: &LocalSet,
-    ) -> Result<(), NodeError> {
+    ) -> Result<(), NotCreated> {
         let name = |service: &str| arguments.resolve(&format!("~/{service}"));
+        let most = node.largest_answer();
         let live = self.clone();
         serve::<Get, _>(node, &name("get_parameters"), tasks, move |request| {
             let values = request.names.iter().map(|name| live.value(name)).collect();
-            ready(rcl::GetParametersResponse { values: all_or_none(values) })
+            ready(rcl::GetParametersResponse { values: all_or_none(values, most) })
         })?;
         let live = self.clone();
         serve::<Types, _>(node, &name("get_parameter_types"), tasks, move |request| {
@@ -92,7 +93,7 @@ impl Live {
         let live = self.clone();
         serve::<List, _>(node, &name("list_parameters"), tasks, move |request| {
             let names = live.list().into_iter().map(|parameter| parameter.name);
-            let result = listed(names, &request.prefixes, request.depth);
+            let result = listed(names, &request.prefixes, request.depth, most);
             ready(rcl::ListParametersResponse { result })
         })?;
         let live = self.clone();
@@ -103,7 +104,7 @@ impl Live {
                 None => unknown(name),
             };
             let values = request.names.iter().map(described).collect();
-            ready(rcl::DescribeParametersResponse { values: all_or_none(values) })
+            ready(rcl::DescribeParametersResponse { values: all_or_none(values, most) })
         })?;
         let live = self.clone();
         serve::<Set, _>(node, &name("set_parameters"), tasks, move |request| {
@@ -153,11 +154,12 @@ impl Live {
     }
 }
 
-/// Names below the prefixes, at most `depth` sections deep (0: any), as rclcpp lists them.
+/// Names below the prefixes, at most `depth` sections deep (0: any), as rclcpp lists them, in at most so many bytes.
 fn listed(
     names: impl Iterator<Item = String>,
     prefixes: &[String],
     depth: u64,
+    most: usize,
 ) -> rcl::ListParametersResult {
     let sections = |text: &str| text.matches('.').count() as u64;
     let is_asked_for = |name: &String| {
@@ -173,7 +175,7 @@ fn listed(
     let mut names: Vec<String> = names.filter(is_asked_for).collect();
     let all = names.len();
     // The tables of classes are at the end.
-    while !fits(&(&names, sections_of(&names))) {
+    while !fits(&(&names, sections_of(&names)), most) {
         names.pop();
     }
     if names.len() < all {
@@ -196,8 +198,8 @@ fn sections_of(names: &[String]) -> Vec<String> {
 }
 
 /// What does not fit into one answer is not answered by half: asking for fewer names helps.
-fn all_or_none<T: Serialize>(values: Vec<T>) -> Vec<T> {
-    if fits(&values) {
+fn all_or_none<T: Serialize>(values: Vec<T>, most: usize) -> Vec<T> {
+    if fits(&values, most) {
         return values;
     }
     tracing::warn!("{} parameters do not fit into one answer; ask for fewer at once", values.len());

@@ -1,24 +1,25 @@
 //! Messages of a recording, published.
 
 use super::{
-    names::{NameError, parsed, type_name},
+    domain::{Domain, DomainError},
+    names::node_name,
     node::NotCreated,
-    participant::{DdsDomain, DomainError},
     qos,
-    raw::RawCdr,
     status::now,
+    transport::{Graph, Node, RawPublisher},
 };
 use crate::time::Stamp;
-use ros2_client::{Context, Node, NodeName, NodeOptions, Publisher};
 use std::{collections::BTreeMap, thread, time::Duration};
 use thiserror::Error;
 
-/// Publishes messages of any type on DDS.
+/// Publishes messages of any type.
+///
+/// Publishers go before the node, so that others learn of it: fields are dropped in this order.
 pub struct Player {
-    publishers: BTreeMap<String, Publisher<RawCdr>>,
-    clock: Option<Publisher<RawCdr>>,
-    node: Node,
-    context: Context,
+    publishers: BTreeMap<String, RawPublisher>,
+    clock: Option<RawPublisher>,
+    graph: Graph,
+    _node: Node,
 }
 
 /// Why nothing can be published.
@@ -27,18 +28,15 @@ pub enum PlayError {
     /// The network.
     #[error(transparent)]
     Domain(#[from] DomainError),
-    /// A topic's name.
-    #[error(transparent)]
-    Name(#[from] NameError),
     /// A publisher or the node.
     #[error(transparent)]
     Create(#[from] NotCreated),
-    /// A message that DDS does not take.
+    /// A message that the middleware does not take.
     #[error("{topic}: {problem}")]
     NotSent {
         /// The topic.
         topic: String,
-        /// What DDS said.
+        /// What it said.
         problem: String,
     },
 }
@@ -49,28 +47,22 @@ impl Player {
     /// # Errors
     /// When the network or a topic cannot be used.
     pub fn new<'a>(
-        domain: DdsDomain,
+        domain: Domain,
         topics: impl IntoIterator<Item = (&'a str, &'a str)>,
         clock: bool,
     ) -> Result<Self, PlayError> {
-        let context = domain.join()?;
-        let name = NodeName::new("/", NODE).map_err(|e| NotCreated::new(NODE, e))?;
-        let mut node =
-            context.new_node(name, NodeOptions::new()).map_err(|e| NotCreated::new(NODE, e))?;
-        let mut publish = |topic: &str, kind: &str| -> Result<Publisher<RawCdr>, PlayError> {
+        let mut node = Node::join(domain, node_name("/", NODE)?)?;
+        let mut publish = |topic: &str, kind: &str| {
             let qos =
                 if topic.ends_with("/tf_static") { qos::tf_static() } else { qos::stream(DEPTH) };
-            let dds = node
-                .create_topic(&parsed(topic)?, type_name(kind), &qos)
-                .map_err(|e| NotCreated::new(topic, e))?;
-            Ok(node.create_publisher(&dds, Some(qos)).map_err(|e| NotCreated::new(topic, e))?)
+            node.raw_publisher(topic, kind, &qos)
         };
         let mut publishers = BTreeMap::new();
         for (topic, kind) in topics {
             publishers.insert(topic.to_owned(), publish(topic, kind)?);
         }
         let clock = if clock { Some(publish("/clock", "rosgraph_msgs/msg/Clock")?) } else { None };
-        Ok(Self { publishers, clock, node, context })
+        Ok(Self { publishers, clock, graph: node.graph()?, _node: node })
     }
 
     /// Waits until somebody listens, and no more come for a second; at most `longest`. How many topics are heard.
@@ -97,14 +89,12 @@ impl Player {
     /// Publishes CDR bytes on one of the topics.
     ///
     /// # Errors
-    /// When the bytes are not little-endian CDR, or DDS does not take them.
+    /// When the bytes are not little-endian CDR, or they are not taken.
     pub fn publish(&self, topic: &str, cdr: &[u8]) -> Result<(), PlayError> {
         let failed = |problem: String| PlayError::NotSent { topic: topic.to_owned(), problem };
         let publisher =
             self.publishers.get(topic).ok_or_else(|| failed("there is no such topic".into()))?;
-        let message = RawCdr::from_little_endian(cdr)
-            .ok_or_else(|| failed("the message is not little-endian CDR".into()))?;
-        publisher.publish(message).map_err(|e| failed(e.forget_data().to_string()))
+        publisher.publish(cdr).map_err(failed)
     }
 
     /// Publishes what time it is in the recording.
@@ -114,27 +104,13 @@ impl Player {
         let mut cdr = vec![0, 1, 0, 0];
         cdr.extend(((nanos / 1_000_000_000) as i32).to_le_bytes());
         cdr.extend(((nanos % 1_000_000_000) as u32).to_le_bytes());
-        if let Some(Err(e)) = RawCdr::from_little_endian(&cdr).map(|time| clock.publish(time)) {
-            tracing::debug!("/clock was not sent: {}", e.forget_data());
+        if let Err(why) = clock.publish(&cdr) {
+            tracing::debug!("/clock was not sent: {why}");
         }
     }
 
     fn heard(&self) -> usize {
-        let readers = self.context.domain_participant().discovered_readers();
-        let heard = |topic: &&String| {
-            let dds = format!("rt{topic}");
-            readers.iter().any(|r| *r.subscription_topic_data.topic_name() == dds)
-        };
-        self.publishers.keys().filter(heard).count()
-    }
-}
-
-impl Drop for Player {
-    /// Publishers go before the node, and the node before the context: so others learn of it.
-    fn drop(&mut self) {
-        self.publishers.clear();
-        self.clock = None;
-        tracing::debug!("{} leaves", self.node.fully_qualified_name());
+        self.publishers.keys().filter(|topic| self.graph.is_heard(topic)).count()
     }
 }
 

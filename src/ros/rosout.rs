@@ -1,9 +1,13 @@
 //! `/rosout`: what the node says, for `rqt_console` and `ros2 topic echo /rosout`.
 
-use super::{node::NodeError, qos, status::system_time, topic::Ends};
+use super::{
+    node::NotCreated,
+    qos,
+    status::system_time,
+    transport::{Node, Publisher},
+};
 use crate::msg::Message;
 use ros2_client::{
-    Publisher,
     builtin_interfaces::Time,
     log::{Log, LogLevel},
 };
@@ -76,10 +80,10 @@ impl LogLines {
     /// Publishes them under the name of a logger, until it is cancelled.
     pub(super) fn publish(
         mut self,
-        mut ends: Ends<'_>,
+        node: &mut Node,
         logger: String,
-    ) -> Result<impl Future<Output = ()> + 'static, NodeError> {
-        let publisher: Publisher<Log> = ends.publisher("/rosout", qos::log(MOST_LINES))?;
+    ) -> Result<impl Future<Output = ()> + 'static, NotCreated> {
+        let publisher: Publisher<Log> = node.publisher("/rosout", &qos::log(MOST_LINES))?;
         Ok(async move {
             while let Some(line) = self.0.recv().await {
                 // A complaint would be the next line to be published.

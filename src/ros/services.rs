@@ -2,9 +2,8 @@
 
 use super::{
     inbox::Inbox,
-    names::parsed,
-    node::{NodeError, NotCreated},
-    qos,
+    node::NotCreated,
+    transport::{Node, Server},
     worker::Command,
 };
 use crate::{
@@ -18,17 +17,9 @@ use crate::{
         std_srvs::{SetBool, SetBoolResponse, Trigger, TriggerResponse},
     },
 };
-use ros2_client::{Node, Server, ServiceMapping, ServiceTypeName};
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::Serialize;
 use std::sync::Arc;
 use tokio::{sync::oneshot, task::LocalSet};
-
-/// A request or response as ros2-client wants it: on the wire it is what it holds.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(transparent)]
-struct Wire<T>(T);
-
-impl<T: Serialize + DeserializeOwned> ros2_client::Message for Wire<T> {}
 
 /// Starts the services of the map.
 pub(super) fn serve_map(
@@ -36,7 +27,7 @@ pub(super) fn serve_map(
     arguments: &RosArguments,
     inbox: &Arc<Inbox>,
     tasks: &LocalSet,
-) -> Result<(), NodeError> {
+) -> Result<(), NotCreated> {
     let name = |service: &str| arguments.resolve(&format!("~/{service}"));
     let worker = Arc::clone(inbox);
     serve::<Trigger, _>(node, &name("reset"), tasks, move |_| {
@@ -81,51 +72,36 @@ pub(super) fn serve<S: Service, F>(
     name: &str,
     tasks: &LocalSet,
     mut answer: impl FnMut(S::Request) -> F + 'static,
-) -> Result<(), NodeError>
+) -> Result<(), NotCreated>
 where
-    S::Request: Clone + 'static,
-    S::Response: 'static,
     F: Future<Output = S::Response> + 'static,
 {
-    let mut parts = S::TYPE.split('/');
-    let (package, kind) = (parts.next().unwrap_or_default(), parts.next_back().unwrap_or_default());
-    let server: Server<Wire<S::Request>, Wire<S::Response>> = node
-        .create_server(
-            ServiceMapping::Enhanced,
-            &parsed(name)?,
-            &ServiceTypeName::new(package, kind),
-            qos::service(),
-            qos::service(),
-        )
-        .map_err(|e| NotCreated::new(name, e))?;
-    let name = name.to_owned();
+    let server: Server<S> = node.server(name)?;
+    let (name, most) = (name.to_owned(), node.largest_answer());
     tasks.spawn_local(async move {
         loop {
-            match server.async_receive_request().await {
-                Ok((id, Wire(request))) => {
-                    let response = Wire(answer(request).await);
-                    if !fits(&response) {
-                        tracing::error!("{name}: the answer is larger than RustDDS can send");
+            match server.receive().await {
+                Ok((id, request)) => {
+                    let response = answer(request).await;
+                    if !fits(&response, most) {
+                        tracing::error!("{name}: the answer is larger than can be sent");
                         continue;
                     }
-                    if let Err(e) = server.async_send_response(id, response).await {
-                        tracing::warn!("{name}: the answer was not sent: {e}");
+                    if let Err(why) = server.answer(id, response).await {
+                        tracing::warn!("{name}: the answer was not sent: {why}");
                     }
                 }
-                Err(e) => tracing::warn!("{name}: a request cannot be read: {e}"),
+                Err(why) => tracing::warn!("{name}: a request cannot be read: {why}"),
             }
         }
     });
     Ok(())
 }
 
-/// Whether an answer can be sent. RustDDS 0.15 garbles what it has to cut into fragments if it says at the same time
-/// which request it answers (a stray byte before the inline QoS of `DATA_FRAG`), so answers must fit into one datagram.
-pub(super) fn fits(answer: &impl Serialize) -> bool {
-    encoded_len(answer).is_some_and(|bytes| bytes <= LARGEST_ANSWER)
+/// Whether an answer has at most so many bytes.
+pub(super) fn fits(answer: &impl Serialize, most: usize) -> bool {
+    encoded_len(answer).is_some_and(|bytes| bytes <= most)
 }
-
-const LARGEST_ANSWER: usize = 1100;
 
 /// Gives the worker an order; the answer comes when it has done it.
 fn ask<T>(

@@ -3,16 +3,15 @@
 use super::{
     color::{ColorImages, ColorMessage},
     inbox::Inbox,
-    node::NodeError,
+    node::NotCreated,
     qos,
     status::Shared,
-    topic::Ends,
+    transport::{Node, NotTaken, Subscription},
 };
 use crate::{
     config::{DepthTransport, DetectionsType, NodeSettings, Qos, RgbTransport, RosArguments},
     msg::{
         Message,
-        cdr::CdrError,
         convert::{self, ConvertError, is_rectified, without_transport},
         nav_msgs::Odometry,
         sensor_msgs::{CameraInfo, CompressedImage, Image},
@@ -23,7 +22,7 @@ use crate::{
     pipeline::{CameraRole, Input},
     time::Stamp,
 };
-use ros2_client::{QosProfile, ReadError, Subscription};
+use ros2_client::QosProfile;
 use std::{cell::Cell, rc::Rc, sync::Arc};
 use tokio::task::LocalSet;
 
@@ -44,7 +43,7 @@ pub(super) struct Listening {
 
 /// Everything that a subscription needs.
 pub(super) struct Subscriptions<'a> {
-    pub(super) ends: Ends<'a>,
+    pub(super) node: &'a mut Node,
     pub(super) arguments: &'a RosArguments,
     pub(super) inbox: &'a Arc<Inbox>,
     pub(super) status: &'a Shared,
@@ -58,7 +57,7 @@ const SMALL_DEPTH: usize = 50;
 
 impl Subscriptions<'_> {
     /// Subscribes to all inputs.
-    pub(super) fn all(&mut self, settings: &NodeSettings) -> Result<(), NodeError> {
+    pub(super) fn all(&mut self, settings: &NodeSettings) -> Result<(), NotCreated> {
         let topics = &settings.topics;
         let depth = self.arguments.resolve(&topics.depth);
         // Without colour images, boxes are taken to live in the depth images.
@@ -81,7 +80,7 @@ impl Subscriptions<'_> {
         self.transforms("/tf_static", qos::tf_static(), true)
     }
 
-    fn depth(&mut self, topic: String, qos: Qos) -> Result<(), NodeError> {
+    fn depth(&mut self, topic: String, qos: Qos) -> Result<(), NotCreated> {
         let role = Role { role: "depth", needed: true, is_present: true };
         let qos = qos::input(qos, IMAGE_DEPTH);
         if without_transport(&topic) == topic {
@@ -100,7 +99,7 @@ impl Subscriptions<'_> {
         &mut self,
         settings: &NodeSettings,
         images: ColorImages,
-    ) -> Result<(), NodeError> {
+    ) -> Result<(), NotCreated> {
         let topics = &settings.topics;
         if topics.rgb.is_empty() {
             tracing::warn!("publish.debug_image needs colour images, but topics.rgb is empty");
@@ -134,7 +133,7 @@ impl Subscriptions<'_> {
         settings: &NodeSettings,
         color_rectified: bool,
         depth_rectified: bool,
-    ) -> Result<ImageSize, NodeError> {
+    ) -> Result<ImageSize, NotCreated> {
         let size = ImageSize::default();
         let known = Rc::clone(&size);
         let qos = qos::input(settings.qos.camera_info, SMALL_DEPTH);
@@ -155,7 +154,7 @@ impl Subscriptions<'_> {
         Ok(size)
     }
 
-    fn detections(&mut self, settings: &NodeSettings, size: ImageSize) -> Result<(), NodeError> {
+    fn detections(&mut self, settings: &NodeSettings, size: ImageSize) -> Result<(), NotCreated> {
         let role = Role { role: "detections", needed: true, is_present: false };
         let topic = self.arguments.resolve(&settings.topics.detections);
         let qos = qos::input(settings.qos.detections, SMALL_DEPTH);
@@ -182,7 +181,7 @@ impl Subscriptions<'_> {
         topic: &'static str,
         qos: QosProfile,
         is_static: bool,
-    ) -> Result<(), NodeError> {
+    ) -> Result<(), NotCreated> {
         let role = Role { role: "transforms", needed: false, is_present: false };
         let resolved = self.arguments.resolve(topic);
         self.listen(role, &resolved, qos, move |message: TFMessage, left_out| {
@@ -199,8 +198,8 @@ impl Subscriptions<'_> {
         topic: &str,
         qos: QosProfile,
         convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Heard, ConvertError> + 'static,
-    ) -> Result<(), NodeError> {
-        let subscription = self.ends.subscription(topic, qos.clone())?;
+    ) -> Result<(), NotCreated> {
+        let subscription = self.node.subscription(topic, &qos)?;
         self.listening.push(Listening {
             role: role.role,
             topic: topic.to_owned(),
@@ -253,13 +252,11 @@ impl Passing {
     ) {
         loop {
             let mut left_out = Vec::new();
-            let converted = match subscription.async_take().await {
-                Ok((message, _)) => convert(message, &mut left_out),
-                Err(ReadError::Deserialization { reason }) => {
-                    Err(CdrError::BadBytes { type_name: M::TYPE, problem: reason }.into())
-                }
-                Err(e) => {
-                    tracing::warn!("{}: {e}", self.topic);
+            let converted = match subscription.take().await {
+                Ok(message) => convert(message, &mut left_out),
+                Err(NotTaken::BadBytes(why)) => Err(why.into()),
+                Err(NotTaken::Failed(why)) => {
+                    tracing::warn!("{}: {why}", self.topic);
                     continue;
                 }
             };

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     config::Parameters,
+    geometry::Pose,
     mapping::SavedMap,
     msg::ellipsoid_slam::{QueryObjectsRequest, QueryObjectsResponse},
     pipeline::{ObjectSlam, Update},
@@ -67,7 +68,8 @@ impl Worker {
     /// Works until nothing more is perceived; saves the map then, if a parameter says so.
     pub(super) fn run(mut self) {
         if let Some(saved) = self.files.at_start.take() {
-            self.begin_with(saved);
+            let start = self.parameters.node.map.start_pose.map_from_base();
+            self.begin_with(saved, start);
         }
         while let Ok(job) = self.jobs.recv() {
             match job {
@@ -128,9 +130,9 @@ impl Worker {
     }
 
     /// A saved map, once the place in it is recognised.
-    fn begin_with(&mut self, saved: SavedMap) {
+    fn begin_with(&mut self, saved: SavedMap, start: Option<Pose>) {
         tracing::info!("a map of {} objects is loaded", saved.objects.len());
-        self.begin(ObjectSlam::continuing(self.parameters.slam.clone(), saved, None));
+        self.begin(ObjectSlam::continuing(self.parameters.slam.clone(), saved, start));
     }
 
     fn begin(&mut self, slam: ObjectSlam) {
@@ -170,7 +172,8 @@ impl Worker {
         let path = self.path(given)?;
         let saved = (self.files.load)(&path)?;
         let count = u32::try_from(saved.objects.len()).unwrap_or(u32::MAX);
-        self.begin_with(saved);
+        // The robot has moved since it was started.
+        self.begin_with(saved, None);
         Ok(count)
     }
 

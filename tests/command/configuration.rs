@@ -111,3 +111,20 @@ fn rviz_shows_topics_that_are_published() {
         assert!(names.contains(&format!("/{topic}")), "{topic}");
     }
 }
+
+#[test]
+fn a_start_pose_is_three_numbers() {
+    let with = |text: &str| {
+        parameters_from_yaml(&format!(
+            "/**:\n  ros__parameters:\n    map: {{start_pose: {text}}}\n"
+        ))
+    };
+    let pose = with("'1.5, -2,90'").unwrap().node.map.start_pose.map_from_base().unwrap();
+    let ahead = pose * nalgebra::Point3::new(1.0, 0.0, 0.0);
+    assert!((ahead - nalgebra::Point3::new(1.5, -1.0, 0.0)).norm() < 1e-12, "{ahead}");
+    assert!(with("''").unwrap().node.map.start_pose.map_from_base().is_none());
+    for wrong in ["'1,2'", "'1,2,x'", "'1,2,nan'"] {
+        let why = with(wrong).unwrap_err().to_string();
+        assert!(why.contains("expected three numbers X,Y,YAW"), "{why}");
+    }
+}

@@ -57,6 +57,8 @@ const HOMES: &[(&str, &[&str])] = &[
     ("plotters", &["cli"]),
     ("ros2_client", &["ros"]),
     ("tokio", &["ros", "cli"]),
+    ("zenoh", &["ros"]),
+    ("zenoh_ext", &["ros"]),
 ];
 
 fn allowed(layer: &str) -> Option<&'static [&'static str]> {

@@ -39,7 +39,7 @@ fn a_played_bag_gives_rclpy_the_objects_of_a_replay() {
 }
 
 /// What rclpy received last is what a replay published at the same time.
-fn check_markers(received: &str, result: &str) {
+pub(crate) fn check_markers(received: &str, result: &str) {
     let received: Value = serde_json::from_str(received).unwrap();
     assert!(received["ellipsoids"].as_object().unwrap().len() >= 5, "{received}");
     let bag = BagReader::open(Path::new(result)).unwrap();

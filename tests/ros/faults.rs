@@ -91,6 +91,19 @@ fn an_interrupted_node_leaves_the_graph_at_once() {
     assert!(left.elapsed() < Duration::from_secs(5), "{:?}", left.elapsed());
 }
 
+#[cfg(not(feature = "zenoh"))]
+#[test]
+fn zenoh_in_a_program_without_it_is_named() {
+    let stage = Stage::new();
+    for command in [&["node"][..], &["play", BAG]] {
+        let asked = stage.program(command).env("RMW_IMPLEMENTATION", "rmw_zenoh_cpp").output();
+        let asked = asked.unwrap();
+        assert_eq!(asked.status.code(), Some(1));
+        let said = String::from_utf8_lossy(&asked.stderr);
+        assert!(said.contains("built without it: build it with `--features zenoh`"), "{said}");
+    }
+}
+
 /// Waits until diagnostics have had all of this.
 fn in_diagnostics(stage: &Stage, node: &Running, arguments: &[&str]) {
     let peer = stage.peer("rclpy_diagnostics.py", arguments).output().unwrap();

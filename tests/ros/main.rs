@@ -1,6 +1,7 @@
 //! The live node against real peers: ROS 2's own rclpy on Fast DDS, and Cyclone DDS.
 //!
-//! Every test has a DDS domain of its own and stays on the loopback interface.
+//! Every test has a domain of its own and stays on the loopback interface. With the feature `zenoh`, also against Zenoh's
+//! own Python package, which speaks as `rmw_zenoh` does.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on shall say where")]
 
 mod cyclone;
@@ -10,3 +11,5 @@ mod fast_dds;
 mod faults;
 mod processes;
 mod services;
+#[cfg(feature = "zenoh")]
+mod zenoh;

@@ -52,6 +52,12 @@ impl Stage {
         self.folder.path().join(name).to_str().unwrap().to_owned()
     }
 
+    /// The domain's number.
+    #[cfg(feature = "zenoh")]
+    pub(crate) fn domain(&self) -> u16 {
+        self.domain.parse().unwrap()
+    }
+
     /// The program, in this domain.
     pub(crate) fn program(&self, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_ellipsoid_slam"));
@@ -73,7 +79,12 @@ impl Stage {
 
     /// A peer in Python.
     pub(crate) fn peer(&self, script: &str, args: &[&str]) -> Command {
-        let python = environment::python("tests/ros/requirements.txt").unwrap();
+        self.peer_with("tests/ros/requirements.txt", script, args)
+    }
+
+    /// A peer in Python with the packages of a file.
+    pub(crate) fn peer_with(&self, requirements: &str, script: &str, args: &[&str]) -> Command {
+        let python = environment::python(requirements).unwrap();
         let mut command = Command::new(python);
         command.arg(Path::new("tests/ros").join(script)).args(args);
         self.inside(&mut command);
@@ -94,6 +105,7 @@ impl Stage {
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
             .env("ROS_LOG_DIR", self.folder.path())
             .env("CYCLONEDDS_URI", CYCLONE_ON_LOOPBACK)
+            .env_remove("RMW_IMPLEMENTATION")
             .env("NO_COLOR", "1")
             .stdin(Stdio::null());
     }

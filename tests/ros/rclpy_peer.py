@@ -9,6 +9,7 @@ import time
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from marker_summary import summary
 from nav_msgs.msg import Path
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
@@ -76,21 +77,8 @@ def is_whole(array):
 markers = Latest(MarkerArray, f"{NODE}/markers", latched=True).wait(is_whole)
 path = Latest(Path, f"{NODE}/path", latched=True).wait(lambda path: len(path.poses) > 5)
 assert path.header.frame_id == "map"
-ellipsoids, labels, stamp = {}, {}, None
-for m in markers.markers:
-    assert m.header.frame_id == "map"
-    if m.action != Marker.ADD:
-        continue
-    stamp = [m.header.stamp.sec, m.header.stamp.nanosec]
-    if m.ns == "ellipsoids":
-        assert m.type == Marker.SPHERE and 0.0 < m.color.a <= 1.0
-        p, q, s = m.pose.position, m.pose.orientation, m.scale
-        numbers = [p.x, p.y, p.z, q.x, q.y, q.z, q.w, s.x, s.y, s.z]
-        ellipsoids[str(m.id)] = [f"{v:.9f}" for v in numbers]
-    elif m.ns == "labels":
-        labels[str(m.id)] = m.text
 with open(sys.argv[1], "w") as file:
-    json.dump({"stamp": stamp, "ellipsoids": ellipsoids, "labels": labels}, file)
+    json.dump(summary(markers), file)
 
 # Parameters.
 names = call(ListParameters, f"{NODE}/list_parameters").result.names

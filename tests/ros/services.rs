@@ -28,17 +28,8 @@ fn cyclone_dds_looks_objects_up_and_saves_and_loads_the_map() {
 fn a_running_node_loads_a_map_and_finds_its_place_in_it() {
     let stage = Stage::new();
     let node = stage.node(&BAG_TOPICS);
-    // The second time the robot is switched on somewhere else: odometry starts at zero there.
-    let visit = |name: &str, frames: &str, more: &[&str]| {
-        let bag = stage.path(name);
-        let scene = ["simulate", "--scene", "desk", "--trajectory", "orbit", "--seed", "1"];
-        let args = [&scene[..], &["--frames", frames, "--output", &bag], more].concat();
-        succeeded(&stage.program(&args).output().unwrap(), &node);
-        bag
-    };
-    let first = visit("first.mcap", "16", &[]);
-    let second =
-        visit("second.mcap", "24", &["--visit", "1", "--set", "odometry.starts_at_zero=true"]);
+    let first = visit(&stage, "first.mcap", "16", &[]);
+    let second = visit(&stage, "second.mcap", "24", &SWITCHED_ON_ELSEWHERE);
     let replayed = stage.path("first");
     let replay = stage.program(&["replay", &first, "--output", &replayed]).output().unwrap();
     succeeded(&replay, &node);
@@ -53,6 +44,31 @@ fn a_running_node_loads_a_map_and_finds_its_place_in_it() {
 }
 
 #[test]
+fn a_node_looks_for_its_place_where_it_is_told_to_have_started() {
+    let stage = Stage::new();
+    let first = visit(&stage, "first.mcap", "16", &[]);
+    let second = visit(&stage, "second.mcap", "24", &SWITCHED_ON_ELSEWHERE);
+    let replayed = stage.path("first");
+    let replay = stage.program(&["replay", &first, "--output", &replayed]).output().unwrap();
+    assert!(replay.status.success());
+    // Nothing of the map is there, so that the node must not believe what it sees.
+    let file = format!("map.file:={replayed}/map.json");
+    let map = ["map.load_on_start:=true", "map.save_on_shutdown:=true", "map.start_pose:='80,0,0'"];
+    let mut args = [&BAG_TOPICS[..], &["-p", &file]].concat();
+    args.extend(map.iter().flat_map(|setting| ["-p", setting]));
+    let mut node = stage.node(&args);
+    node.wait_for("objects is loaded");
+    let play = stage.program(&["play", &second, "--rate", "2", "--wait", "60"]).output().unwrap();
+    succeeded(&play, &node);
+    assert!(node.stop("INT").success(), "{}", node.log());
+    assert!(
+        node.log().contains("the place in the loaded map was not recognised"),
+        "{}",
+        node.log()
+    );
+}
+
+#[test]
 fn a_reset_map_is_empty_and_its_markers_are_deleted() {
     let stage = Stage::new();
     let mut args = BAG_TOPICS.to_vec();
@@ -62,4 +78,16 @@ fn a_reset_map_is_empty_and_its_markers_are_deleted() {
     let _player = stage.start(stage.program(&["play", BAG, "--loop", "--wait", "60"]), "player");
     let peer = stage.peer("rclpy_reset.py", &[]).output().unwrap();
     succeeded(&peer, &node);
+}
+
+/// The robot is switched on somewhere else: odometry starts at zero there.
+const SWITCHED_ON_ELSEWHERE: [&str; 4] = ["--visit", "1", "--set", "odometry.starts_at_zero=true"];
+
+/// A bag of the desk.
+fn visit(stage: &Stage, name: &str, frames: &str, more: &[&str]) -> String {
+    let bag = stage.path(name);
+    let scene = ["simulate", "--scene", "desk", "--trajectory", "orbit", "--seed", "1"];
+    let args = [&scene[..], &["--frames", frames, "--output", &bag], more].concat();
+    assert!(stage.program(&args).output().unwrap().status.success());
+    bag
 }

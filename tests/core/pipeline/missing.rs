@@ -66,6 +66,19 @@ fn a_transform_that_comes_later_is_waited_for() {
 }
 
 #[test]
+fn where_a_camera_is_on_its_base_does_not_wait_for_corrections_of_odometry() {
+    let mut run = Run::new(Settings::default());
+    let moved = Pose::translation(5.0, -2.0, 0.3);
+    run.feed([color_camera(), camera_on_base()]);
+    // Two other nodes correct and integrate odometry, and have not said anything since.
+    run.feed([transform(false, 0, ["map", "odom"], moved)]);
+    run.feed([transform(false, 0, ["odom", "base_link"], moved)]);
+    run.feed([odometry(0), odometry(1000), depth(100), boxes(100)]);
+    assert_eq!(run.keyframes(), [100]);
+    assert!(run.dropped().is_empty(), "{:?}", run.dropped());
+}
+
+#[test]
 fn a_depth_image_of_another_size_is_refused_with_both_sizes() {
     let large = Camera::new((640, 480), (525.0, 525.0), (319.5, 239.5), Distortion::None).unwrap();
     let mut run = Run::new(Settings::default());

@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer, ser::SerializeTuple};
 /// RustDDS serialises it by writing the bytes as they are: eight at a time, at offsets that are multiples of eight,
 /// so that CDR puts no padding between them.
 #[derive(Clone, Debug)]
-pub(super) struct RawCdr(Vec<u8>);
+pub(in crate::ros) struct RawCdr(Vec<u8>);
 
 impl RawCdr {
     /// From CDR bytes with their header; nothing if they are not in the byte order that DDS is told here.

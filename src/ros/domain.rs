@@ -1,16 +1,28 @@
 //! Which network a process takes part in, from the variables that all of ROS 2 reads.
 
-use ros2_client::{Context, dds::rustdds::DomainParticipantBuilder};
-use std::{env, net::Ipv4Addr};
+use std::env;
 use thiserror::Error;
 
 /// The network that ROS 2's environment variables describe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct DdsDomain {
+pub struct Domain {
     /// `ROS_DOMAIN_ID`.
     pub id: u16,
-    /// Nothing leaves this machine: `ROS_LOCALHOST_ONLY=1` or `ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST`.
+    /// Nothing leaves this machine: `ROS_LOCALHOST_ONLY=1` or `ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST`. Zenoh has its
+    /// own settings for that.
     pub local_only: bool,
+    /// `RMW_IMPLEMENTATION`.
+    pub middleware: Middleware,
+}
+
+/// What carries the messages.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Middleware {
+    /// DDS, for each of ROS 2's DDS implementations.
+    #[default]
+    Dds,
+    /// Zenoh as `rmw_zenoh_cpp` speaks it.
+    Zenoh,
 }
 
 /// Why there is no access to the network.
@@ -31,9 +43,16 @@ pub enum DomainError {
         /// What the variable says.
         given: String,
     },
-    /// DDS did not start.
-    #[error("DDS does not start in domain {id}: {problem}")]
+    /// Zenoh is asked for and not there.
+    #[error(
+        "RMW_IMPLEMENTATION asks for Zenoh, but this program was built without it: build it with `--features zenoh`"
+    )]
+    WithoutZenoh,
+    /// A middleware that did not start.
+    #[error("{middleware} does not start in domain {id}: {problem}")]
     NotStarted {
+        /// DDS or Zenoh.
+        middleware: &'static str,
         /// The domain.
         id: u16,
         /// What it said.
@@ -44,7 +63,7 @@ pub enum DomainError {
 /// Ports of higher domains would not fit 16 bits.
 const LAST_DOMAIN: u16 = 232;
 
-impl DdsDomain {
+impl Domain {
     /// From the environment.
     ///
     /// # Errors
@@ -67,17 +86,10 @@ impl DdsDomain {
                 Some(given) => return Err(DomainError::UnknownRange { given: given.into() }),
             },
         };
-        Ok(Self { id, local_only })
-    }
-
-    /// Takes part in the network.
-    pub(super) fn join(self) -> Result<Context, DomainError> {
-        let failed = |problem: String| DomainError::NotStarted { id: self.id, problem };
-        let mut builder = DomainParticipantBuilder::new(self.id);
-        if self.local_only {
-            builder = builder.with_only_networks([Ipv4Addr::LOCALHOST]);
-        }
-        let participant = builder.build().map_err(|e| failed(e.to_string()))?;
-        Context::from_domain_participant(participant).map_err(|e| failed(e.to_string()))
+        let middleware = match value("RMW_IMPLEMENTATION").as_deref() {
+            Some("rmw_zenoh_cpp") => Middleware::Zenoh,
+            _ => Middleware::Dds,
+        };
+        Ok(Self { id, local_only, middleware })
     }
 }

@@ -1,13 +1,13 @@
-//! Other nodes of our own name: ROS 2 allows them, and then services answer twice.
+//! Other nodes of our own name on DDS: ROS 2 allows them, and then services answer twice.
 
-use super::{
-    node::{NodeError, NotCreated},
-    problems::Problem,
-};
+use crate::ros::node::NotCreated;
 use ros2_client::{
-    Context, Gid, Node, Subscription,
+    Gid,
     builtin_topics::ros_discovery,
-    dds::rustdds::{TopicKind, discovery::DiscoveredWriterData},
+    dds::{
+        Context, Node, Subscription,
+        rustdds::{TopicKind, discovery::DiscoveredWriterData},
+    },
     entities_info::ParticipantEntitiesInfo,
 };
 use std::collections::BTreeSet;
@@ -16,16 +16,11 @@ use std::collections::BTreeSet;
 pub(super) struct SameName {
     infos: Subscription<ParticipantEntitiesInfo>,
     own: Gid,
-    full_name: String,
     others: BTreeSet<Gid>,
 }
 
 impl SameName {
-    pub(super) fn listen(
-        context: &Context,
-        node: &mut Node,
-        full_name: String,
-    ) -> Result<Self, NodeError> {
+    pub(super) fn listen(context: &Context, node: &mut Node) -> Result<Self, NotCreated> {
         let participant = context.domain_participant();
         let topic = participant
             .create_topic(
@@ -39,14 +34,18 @@ impl SameName {
             .create_subscription(&topic, None)
             .map_err(|e| NotCreated::new(ros_discovery::TOPIC_NAME, e))?;
         let own = context.participant_entities_info().gid();
-        Ok(Self { infos, own, full_name, others: BTreeSet::new() })
+        Ok(Self { infos, own, others: BTreeSet::new() })
     }
 
-    /// Whether another participant has a node of our name at present.
-    pub(super) fn problem(&mut self, writers: &[DiscoveredWriterData]) -> Option<Problem> {
+    /// Whether another participant has a node of this full name at present.
+    pub(super) fn has_another(
+        &mut self,
+        full_name: &str,
+        writers: &[DiscoveredWriterData],
+    ) -> bool {
         while let Ok(Some((info, _))) = self.infos.take() {
             let named_alike =
-                info.nodes().iter().any(|node| node.fully_qualified_name() == self.full_name);
+                info.nodes().iter().any(|node| node.fully_qualified_name() == full_name);
             if info.gid() == self.own {
                 continue;
             }
@@ -64,15 +63,7 @@ impl SameName {
                 .any(|w| participant(w.publication_topic_data.key.into()).eq(participant(*other)))
         };
         self.others.retain(lives);
-        if self.others.is_empty() {
-            return None;
-        }
-        let name = &self.full_name;
-        let what = format!(
-            "another node is called {name} too: services and parameters may reach the wrong one; \
-             give one another name with `-r __node:=NAME`"
-        );
-        Some(Problem::new("same_name", name, what))
+        !self.others.is_empty()
     }
 }
 
