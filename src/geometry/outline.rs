@@ -24,7 +24,11 @@ pub enum Outline {
 impl Outline {
     /// Whether its footprint is an ellipse.
     pub fn is_round(self) -> bool {
-        matches!(self, Self::Ellipsoid | Self::Cylinder)
+        match self {
+            Self::Ellipsoid | Self::Cylinder => true,
+            Self::Cuboid => false,
+            Self::Superquadric(_, footprint) => footprint == 1.0,
+        }
     }
 
     /// How far out a point is: 1 on the surface, proportional to the distance from the centre along its ray.

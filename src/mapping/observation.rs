@@ -65,16 +65,15 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Widens the covariance along each axis on which this is much larger than objects of its class usually are (long,
-    /// short, height; m): chairs that stand beside each other or one behind the other are measured as one now and then,
-    /// and nothing says then which part of it is the object.
+    /// Widens the covariance along each horizontal axis on which this is much larger than the longer usual extent of its
+    /// class (m): chairs that stand beside each other or one behind the other are measured as one now and then, and
+    /// nothing says then which part of it is the object.
     #[must_use]
-    pub fn doubting_its_size(mut self, usual_m: [f64; 3]) -> Self {
-        let long = usual_m[0].max(usual_m[1]);
-        for (i, usual) in [long, long, usual_m[2]].into_iter().enumerate() {
+    pub fn doubting_its_size(mut self, usual_m: f64) -> Self {
+        for i in 0..2 {
             let own = self.ellipsoid.semi_axes[i];
-            if own > MUCH_LARGER * 0.5 * usual {
-                let more = own - 0.5 * usual;
+            if own > MUCH_LARGER * 0.5 * usual_m {
+                let more = own - 0.5 * usual_m;
                 self.covariance[(3 + i, 3 + i)] += more * more;
                 self.covariance[(6 + i, 6 + i)] += (more / own).powi(2);
             }

@@ -1,7 +1,7 @@
 //! What is known of a class of objects before one is seen.
 
 use super::SymmetryType::{self, DualPlane, None as Asymmetric, Plane};
-use crate::geometry::Outline::{self, Cuboid, Cylinder, Ellipsoid};
+use crate::geometry::Outline::{self, Cuboid, Ellipsoid, Superquadric};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -121,8 +121,8 @@ const SHAPES: &[(SymmetryType, Outline, &[&str])] = &[
             "tv",
         ],
     ),
-    (Plane, Cylinder, &["cup"]),
-    (DualPlane, Cylinder, &["bottle", "fire hydrant", "wine glass"]),
+    (Plane, ROUNDED, &["cup"]),
+    (DualPlane, ROUNDED, &["bottle", "fire hydrant", "wine glass"]),
     (
         DualPlane,
         Ellipsoid,
@@ -161,6 +161,10 @@ const SHAPES: &[(SymmetryType, Outline, &[&str])] = &[
         ],
     ),
 ];
+
+/// Bottles have shoulders, cups and glasses are narrower at the foot: what is seen round them is less than a cylinder of
+/// their extents and more than an ellipsoid.
+const ROUNDED: Outline = Superquadric(0.5, 1.0);
 
 const LEGS: &[&str] = &["bed", "bench", "chair", "couch", "dining table"];
 

@@ -5,13 +5,14 @@
 //! means that the end is hidden. What was not seen gets little information, not wrong information.
 
 use super::{
-    ClassPrior, Frame, Side, Sight,
+    ClassPrior, Frame, Side,
+    beyond::{Beyond, what_lies_beyond},
     end::{Blur, end_of},
     footprint::quantile,
     segmentation::{Segment, SurfacePoint},
     silhouette::BoxSide,
 };
-use nalgebra::{Isometry3, Point3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// One face, by its coordinate along the outward direction.
 #[derive(Clone, Copy, Debug)]
@@ -300,7 +301,8 @@ fn measure_face(
         Blur { noise_m, step_m, band_m: EDGE_BAND_PX * step_m / segment.stride },
     );
     rim.retain(|p| p.at.coords.dot(outward) > end.position_m - 0.01 - 2.0 * noise_m);
-    let (side, unseen_m) = match what_lies_beyond(frame, segment, &rim, outward) {
+    let Beyond { side, gap_m } = what_lies_beyond(frame, segment, &rim, outward);
+    let (side, unseen_m) = match side {
         Side::Seen if may_go_on_outside_image(segment, &rim, outward) => {
             let is_top = outward.z > 0.0;
             if is_top && prior.carries {
@@ -314,8 +316,8 @@ fn measure_face(
         side => (side, 0.0),
     };
     Face {
-        position_m: end.position_m,
-        sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M).hypot(unseen_m),
+        position_m: end.position_m + 0.5 * gap_m,
+        sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M).hypot(unseen_m).hypot(0.5 * gap_m),
         side,
         guessed_m: 0.0,
     }
@@ -356,55 +358,16 @@ fn outermost(coordinates: &mut [f64], extent: f64) -> f64 {
 
 /// Distance between neighbouring samples when going `outward` along the surface at a point: along the view, on surfaces
 /// seen at a grazing angle, they lie far apart.
-fn sample_step_m(segment: &Segment<'_>, p: &SurfacePoint, outward: &Vector3<f64>) -> f64 {
+pub(super) fn sample_step_m(
+    segment: &Segment<'_>,
+    p: &SurfacePoint,
+    outward: &Vector3<f64>,
+) -> f64 {
     let ray = p.at.coords / p.at.coords.norm();
     let along = p.normal.map_or(*outward, |n| outward - n.into_inner() * n.dot(outward));
     // A face turned outward has no surface to go along.
     let across_view = Unit::try_new(along, 0.2).map_or(0.7, |along| along.cross(&ray).norm());
     segment.spacing_m / across_view.max(MIN_FACING)
-}
-
-/// Looks past the outermost points.
-fn what_lies_beyond(
-    frame: &Frame<'_>,
-    segment: &Segment<'_>,
-    rim: &[&SurfacePoint],
-    outward: &Vector3<f64>,
-) -> Side {
-    let (mut free, mut surface, mut hidden) = (0, 0, 0);
-    let every = rim.len().div_ceil(MAX_LOOKS).max(1);
-    let looks = rim.iter().step_by(every);
-    let total = looks.len();
-    for p in looks {
-        let step = (2.0 * sample_step_m(segment, p, outward)).max(4.0 * p.sigma_m).max(0.02);
-        for reach in 1..=MAX_REACH {
-            let beyond = p.at + outward * (step * f64::from(reach));
-            match frame.look_at(&beyond) {
-                Sight::Outside => break,
-                // Kinect casts shadows of missing depth beside every edge: look further. If nothing comes there, but the
-                // box has ended, what is behind is out of range.
-                Sight::NoReading if reach < MAX_REACH => continue,
-                Sight::NoReading => free += usize::from(is_outside_box(frame, segment, &beyond)),
-                Sight::Measured { beyond_m } if beyond_m > 0.5 * step => free += 1,
-                Sight::Measured { beyond_m } if beyond_m > -0.5 * step => surface += 1,
-                Sight::Measured { .. } => hidden += 1,
-            }
-            break;
-        }
-    }
-    if 2 * free > total {
-        Side::Seen
-    } else if surface > hidden && 3 * surface > total {
-        Side::Cut
-    } else if 3 * free > total && free > 2 * hidden {
-        Side::Seen
-    } else {
-        Side::Hidden
-    }
-}
-
-fn is_outside_box(frame: &Frame<'_>, segment: &Segment<'_>, point: &Point3<f64>) -> bool {
-    frame.project(point).is_some_and(|(_, pixel)| !segment.rect.contains(pixel.x, pixel.y))
 }
 
 /// The class's usual extents along the object's axes; the longer horizontal one goes with the axis that has
@@ -476,8 +439,6 @@ const TURNED_AWAY: f64 = 0.3;
 /// Things are symmetric to this share of their extent.
 const MIRROR_SIGMA_SHARE: f64 = 0.08;
 const MIN_EXTENT_M: f64 = 0.005;
-const MAX_LOOKS: usize = 80;
-const MAX_REACH: u32 = 3;
 /// Points this near to the support plane are taken to reach it (m).
 const SUPPORT_REACH_M: f64 = 0.05;
 /// A support plane under legs may be the wrong one of two: a carpet, a step (m).

@@ -3,6 +3,7 @@
 //! Liao et al. 2020, section IV. [`estimate_object`] is the page that reads like the paper.
 
 mod background;
+mod beyond;
 mod bounds;
 mod claims;
 mod classes;

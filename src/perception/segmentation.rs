@@ -159,7 +159,7 @@ pub(super) fn segment<'a>(
         free = before_wall;
         first = crop.main_cluster(&free, settings).ok_or(Refused::NoCluster)?;
     }
-    let support = supporting_plane(&others, &first);
+    let support = supporting_plane(&others, &first, prior);
     let above: Vec<SurfacePoint> = match support {
         Some(plane) => first
             .into_iter()
@@ -422,10 +422,12 @@ const WEAK_MARGINS: f64 = 2.0;
 /// unless so many of the nine samples round it, itself included, are off the plane.
 const COMPANY: usize = 4;
 
-/// The highest plane that the cluster stands on: below its centre, next to it, and with nothing of it underneath.
+/// The highest plane that the cluster stands on: below its centre, next to it, and with nothing of it underneath. What has
+/// legs does not stand where they would be stumps: those are the seats of the chairs before a table.
 fn supporting_plane<'a>(
     planes: &[&'a SupportPlane],
     cluster: &[SurfacePoint],
+    prior: &ClassPrior,
 ) -> Option<&'a SupportPlane> {
     let center = cluster.iter().map(|p| p.at.coords).sum::<Vector3<f64>>() / cluster.len() as f64;
     let mut below: Vec<&SupportPlane> =
@@ -435,8 +437,17 @@ fn supporting_plane<'a>(
     // The floor reaches everywhere; a table top only as far as it was seen.
     below.into_iter().find(|plane| {
         std::ptr::eq(*plane, floor)
-            || (nothing_underneath(plane, cluster) && is_next_to(plane, cluster))
+            || (nothing_underneath(plane, cluster)
+                && is_next_to(plane, cluster)
+                && !would_be_stumps(plane, cluster, prior))
     })
+}
+
+/// Whether something on legs would be much lower than its class if it stood on the plane.
+fn would_be_stumps(plane: &SupportPlane, cluster: &[SurfacePoint], prior: &ClassPrior) -> bool {
+    let top_m = || cluster.iter().map(|p| plane.height_of(&p.at)).fold(0.0, f64::max);
+    let usual_m = prior.size_m.filter(|_| prior.legs).map(|[_, _, height]| height);
+    usual_m.is_some_and(|usual_m| top_m() < STUMPS_SHARE * usual_m)
 }
 
 /// Whether the cluster's lowest points are on the plane: the book beside a monitor is higher than the monitor's foot.
@@ -452,6 +463,8 @@ fn is_next_to(plane: &SupportPlane, cluster: &[SurfacePoint]) -> bool {
     plane.inliers.iter().any(|p| bounds.distance_on_ground_m(&p.at) < NEXT_TO_M)
 }
 
+/// Things on legs are at least this share of their usual height.
+const STUMPS_SHARE: f64 = 0.6;
 /// Points this far below a plane are not on it (m).
 const UNDERNEATH_M: f64 = 0.008;
 /// A plane seen this near to an object goes on under it (m).

@@ -24,7 +24,7 @@ impl Faces {
         for _ in 0..2 {
             for side in BoxSide::ALL {
                 if !segment.is_cut_by_image(side) {
-                    self.reach_side(frame, &segment.rect, side, prior);
+                    self.reach_side(frame, segment, side, prior);
                 }
             }
         }
@@ -57,12 +57,16 @@ impl Faces {
 
     /// Whether the left, upper, right and lower side of the box stand out against what is behind.
     pub(super) fn silhouette(&self, frame: &Frame<'_>, segment: &Segment<'_>) -> [bool; 4] {
-        let depth = self.depth_range_m();
         [BoxSide::Left, BoxSide::Upper, BoxSide::Right, BoxSide::Lower].map(|side| {
-            let beyond_px = SILHOUETTE_SIGMAS * side.sigma_px(&segment.rect);
             !segment.is_cut_by_image(side)
-                && side.share_hidden(frame, segment, beyond_px, depth) < MAX_HIDDEN
+                && self.share_hidden_beyond(frame, segment, side) < MAX_HIDDEN
         })
+    }
+
+    /// How much of what is just outside of this side of the box shows something nearer, behind which the object may go on.
+    fn share_hidden_beyond(&self, frame: &Frame<'_>, segment: &Segment<'_>, side: BoxSide) -> f64 {
+        let beyond_px = SILHOUETTE_SIGMAS * side.sigma_px(&segment.rect);
+        side.share_hidden(frame, segment, beyond_px, self.depth_range_m())
     }
 
     /// Between the nearest and the farthest that the object may be, along the view (m).
@@ -89,7 +93,14 @@ impl Faces {
         most
     }
 
-    fn reach_side(&mut self, frame: &Frame<'_>, rect: &Rect, side: BoxSide, prior: &ClassPrior) {
+    fn reach_side(
+        &mut self,
+        frame: &Frame<'_>,
+        segment: &Segment<'_>,
+        side: BoxSide,
+        prior: &ClassPrior,
+    ) {
+        let rect = &segment.rect;
         let sigma_px = side.sigma_px(rect);
         let short_px =
             |faces: &Self| Some(side.of(rect) - faces.projected(frame, side, prior.outline)?);
@@ -116,10 +127,15 @@ impl Faces {
         let Some((least, i, outward_m)) = best else { return };
         let ambiguity = (AMBIGUITY * (0.5 * (least - second)).exp()).max(OUTLINE_SHARE);
         let face = self.faces[i];
+        let position_m = face.position_m + outward_m;
+        // Where something nearer is beside it, it reaches so far at least.
+        let is_open =
+            !face.side.is_known() && self.share_hidden_beyond(frame, segment, side) > MOSTLY_HIDDEN;
+        let open_m = if is_open { OPEN_SHARE * face.sigma_m } else { 0.0 };
         let noise_m = outward_m * sigma_px / missing_px;
         self.faces[i] = Face {
-            position_m: face.position_m + outward_m,
-            sigma_m: noise_m.hypot(ambiguity * outward_m).hypot(MIN_SIGMA_M),
+            position_m,
+            sigma_m: noise_m.hypot(ambiguity * outward_m).hypot(MIN_SIGMA_M).hypot(open_m),
             side: Side::Outline,
             guessed_m: 0.0,
         };
@@ -173,10 +189,7 @@ impl Faces {
     /// The coordinate, growing outwards, of the outermost point of the outline towards a side of the image (px).
     fn projected(&self, frame: &Frame<'_>, side: BoxSide, outline: Outline) -> Option<f64> {
         let (pose, half) = (self.pose(), self.semi_axes_m());
-        let ring: &[(f64, f64)] = match outline {
-            Outline::Cuboid | Outline::Superquadric(..) => &CORNERS,
-            Outline::Ellipsoid | Outline::Cylinder => &CIRCLE,
-        };
+        let ring: &[(f64, f64)] = if outline.is_round() { &CIRCLE } else { &CORNERS };
         let mut outermost = f64::MIN;
         for (x, y) in ring {
             for z in [-half.z, half.z] {
@@ -288,8 +301,12 @@ fn side_px(over_px: f64, share: f64) -> f64 {
 const PROBES: usize = 12;
 /// Beyond a side that is a silhouette no more than this share is hidden,
 const MAX_HIDDEN: f64 = 0.15;
-/// looked at as far out as this.
+/// looked at as far out as this,
 const SILHOUETTE_SIGMAS: f64 = 4.0;
+/// and beyond a side that says nothing of where the object ends more than this.
+const MOSTLY_HIDDEN: f64 = 0.5;
+/// What is hidden there, as a share of how little was known of the end before.
+const OPEN_SHARE: f64 = 0.25;
 /// What is no higher than this above the support plane is the support plane (m).
 const SUPPORT_MARGIN_M: f64 = 0.05;
 /// An outline may overshoot the object itself by this share of the box: corners are seldom filled.

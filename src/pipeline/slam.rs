@@ -270,7 +270,7 @@ fn in_base(
         is_glimpse: false,
     };
     match usual_m {
-        Some(usual_m) => measured.doubting_its_size(usual_m),
+        Some([long_m, short_m, _]) => measured.doubting_its_size(long_m.max(short_m)),
         None => measured,
     }
 }

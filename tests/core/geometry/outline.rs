@@ -58,6 +58,13 @@ fn superquadrics_end_at_the_cuboid_and_at_the_cylinder() {
     assert!((cylinder - reach(Outline::Cylinder)).abs() < 1e-3);
 }
 
+#[test]
+fn what_has_an_elliptic_footprint_is_round() {
+    let round = [Outline::Ellipsoid, Outline::Cylinder, Outline::Superquadric(0.5, 1.0)];
+    assert!(round.iter().all(|outline| outline.is_round()));
+    assert!(!Outline::Cuboid.is_round() && !Outline::Superquadric(1.0, 0.5).is_round());
+}
+
 proptest! {
     #[test]
     fn the_contact_is_on_the_surface_and_reaches_farthest(

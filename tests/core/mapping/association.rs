@@ -65,7 +65,7 @@ fn between_two_objects_that_fit_alike_none_is_guessed() {
 fn what_is_much_larger_than_its_class_does_not_keep_a_part_that_is_not_its_own() {
     let two = Ellipsoid::new(Pose::translation(0.3, 0.0, 0.45), Vector3::new(0.55, 0.25, 0.45));
     let mut first = observation("chair", two, independent(&two, 0.05, 0.03, 0.02));
-    let usual = [0.55, 0.5, 0.9];
+    let usual = 0.55;
     first.measured = first.measured.map(|measured| measured.doubting_its_size(usual));
     let mut map = empty();
     observe(&mut map, 0.0, vec![first]);

@@ -111,6 +111,26 @@ fn a_side_behind_something_else_is_hidden() {
     assert!(size_sigmas(&m)[left / 2] > 0.03, "{}", size_sigmas(&m));
 }
 
+/// A bed with its head at a wall: the wall is nearer than the bed would be if it went on, and still hides nothing of it.
+#[test]
+fn what_stands_against_a_wall_ends_there() {
+    let far_end = |wall_m: f64| {
+        let mut scene = Scene::with_floor();
+        let bed = scene.add(standing(0.0, [3.0, 0.0, 0.3], [1.0, 0.75, 0.3]));
+        scene.add(standing(0.0, [4.08, 0.0, 0.5 * wall_m], [0.05, 5.0, 0.5 * wall_m]));
+        let view = scene.seen_with(&looking([0.6, -0.4, 1.7], 0.1, 25.0), Some(4));
+        let m = super::estimate_box(&view, "bed", view.box_around(bed)).ok()?;
+        let end = face_towards(&m, &view, Vector3::x());
+        let e = in_world(&m, &view, scene.thing(bed));
+        Some((m.sides[end], e.center().x + e.semi_axes.x, 2.0 * size_sigmas(&m)[end / 2]))
+    };
+    let (side, end_m, sigma_m) = far_end(2.5).unwrap();
+    assert_eq!(side, Side::Seen);
+    assert!((end_m - 4.0).abs() < 0.05 && sigma_m < 0.1, "{end_m} ± {sigma_m}");
+    // Another thing's back, no higher than this one, may as well hide where it goes on.
+    assert!(far_end(0.75).is_none_or(|(side, ..)| side != Side::Seen));
+}
+
 /// A handle, or leaves: the detector sees them, the depth camera does not.
 #[test]
 fn a_part_without_depth_readings_reaches_as_far_as_the_box() {

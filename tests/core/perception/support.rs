@@ -101,3 +101,18 @@ fn a_wrong_direction_of_gravity_is_survived() {
         }
     }
 }
+
+/// Of a table behind a bench little more than the top is seen, and beside it the seat.
+#[test]
+fn a_table_does_not_stand_on_the_seat_before_it() {
+    let mut scene = Scene::with_floor();
+    let top = scene.add(standing(0.0, [2.6, 0.0, 0.72], [0.4, 0.7, 0.02]));
+    scene.add(standing(0.0, [1.95, 0.0, 0.23], [0.22, 1.2, 0.23]));
+    let view = scene.seen_with(&looking([0.0, 0.0, 1.2], 0.0, 15.0), Some(2));
+    let heights = heights(&view, &planes_with(&view, &view.up_in_camera()));
+    assert!(heights.iter().any(|height| (height - 0.46).abs() < 0.02), "{heights:?}");
+    let m = super::measure(&view, "dining table", top);
+    let body = m.ellipsoid.transformed(&view.world_from_camera);
+    let bottom = body.center().z - body.semi_axes.z;
+    assert!(bottom.abs() < 0.03, "the table's feet are at {bottom} m");
+}
