@@ -1,8 +1,8 @@
 //! From one box of one frame to an ellipsoid: Liao et al. 2020, section IV, on one page.
 
 use super::{
-    Classes, Detection, EllipsoidMeasurement, Frame, Glimpse, Probability, Refused, SupportPlane,
-    SupportSettings, SymmetryPlane, SymmetryType,
+    ClassPrior, Classes, Detection, EllipsoidMeasurement, Frame, Glimpse, Probability, Refused,
+    SupportPlane, SupportSettings, SymmetryPlane, SymmetryType,
     claims::Claims,
     faces::Faces,
     find_support_planes,
@@ -147,7 +147,7 @@ fn estimate<'a>(
     let segment =
         segment(frame, planes, &detection.rect, &prior, &settings.segmentation, are_others)?;
     observer.enter(Some(Stage::Faces));
-    let heading = heading(&segment, prior.outline);
+    let heading = heading(&segment, &prior);
     let mut faces = Faces::measure(frame, &segment, heading.yaw, &prior);
     observer.enter(Some(Stage::Symmetry));
     let symmetry = complete_by_symmetry(frame, &segment, prior.symmetry, &mut faces);
@@ -157,7 +157,7 @@ fn estimate<'a>(
     let known = faces.faces[..4].iter().filter(|f| f.side.is_known()).count();
     // Without a usual size there is nothing to guess from.
     let is_guess = prior.size_m.is_some_and(|size| !faces.is_sliver(size));
-    if known == 0 && !is_guess {
+    if known == 0 && !is_guess || faces.is_seen_through_a_gap(&prior) {
         return Err(Refused::TooLittleSeen { known });
     }
     observer.enter(Some(Stage::Fit));
@@ -203,10 +203,10 @@ fn outline_of(fit: FitModel, outline: Outline) -> Outline {
 }
 
 /// The object's heading: from its vertical faces if it has them, otherwise from its footprint.
-fn heading(segment: &Segment<'_>, outline: Outline) -> Heading {
-    let has_faces = !outline.is_round();
+fn heading(segment: &Segment<'_>, prior: &ClassPrior) -> Heading {
+    let has_faces = !prior.outline.is_round();
     let of_faces = if has_faces { heading_of_faces(&segment.points) } else { None };
-    of_faces.unwrap_or_else(|| heading_of_rectangle(&segment.points))
+    of_faces.unwrap_or_else(|| heading_of_rectangle(&segment.widest(prior)))
 }
 
 /// Yaw of a round footprint means nothing: its uncertainty grows to "any" as the sides become equal.

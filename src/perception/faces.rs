@@ -55,12 +55,13 @@ impl Faces {
         out.hide_backs_of_sheets(segment);
         out.hide_backs_of_fronts(segment, prior);
         let is_cut = BoxSide::ALL.into_iter().any(|side| segment.is_cut_by_image(side));
-        if prior.foot || unseen_m > UNSEEN_SHARE * out.extent_m(2) {
-            out.allow_for_unseen_part(prior, false);
-        } else if is_cut {
-            out.allow_for_unseen_part(prior, true);
+        let hides_lower_part = prior.foot || unseen_m > UNSEEN_SHARE * out.extent_m(2);
+        // Of what carries things the top is the widest part.
+        if !prior.carries && (hides_lower_part || is_cut) {
+            out.allow_for_unseen_part(prior, !hides_lower_part);
         }
-        out.guess_what_is_hidden(prior);
+        let room_m = out.room_m(frame, segment, prior);
+        out.guess_what_is_hidden(prior, room_m);
         out
     }
 
@@ -125,7 +126,7 @@ impl Faces {
         let view = segment.direction();
         for i in 0..4 {
             let is_front = self.extent_m(i / 2) < FRONT_SHARE * short;
-            if is_front && outward(self.yaw, i).dot(&view) > TURNED_AWAY {
+            if is_front && outward(self.yaw, i).dot(&view) > BARELY_TURNED_AWAY {
                 self.faces[i].side = Side::Hidden;
             }
         }
@@ -159,9 +160,9 @@ impl Faces {
 
     /// Unseen faces lie somewhere beyond the last point: as far as the class's usual size asks for, or, where
     /// that is not known, somewhat further, for objects are seldom much thinner than they are wide and high.
-    fn guess_what_is_hidden(&mut self, prior: &ClassPrior) {
+    fn guess_what_is_hidden(&mut self, prior: &ClassPrior, room_m: [f64; 4]) {
         let extents: [f64; 3] = std::array::from_fn(|axis| self.extent_m(axis));
-        let usual = prior.size_m.map(|size| self.usual_sizes(size));
+        let usual = prior.size_m.map(|size| self.usual_sizes(size, room_m));
         let round_m = self.diameter_m(prior);
         // The bottom is settled by what the object stands on.
         for i in [0, 1, 2, 3, 5] {
@@ -181,24 +182,27 @@ impl Faces {
                 (_, None) => (CUT_SHARE * extents[axis], 0.15 * extents[axis]),
             };
             let least_m = if axis < 2 && round_m.is_some() { 0.0 } else { MIN_GUESS_SIGMA_M };
-            let sharing =
-                self.faces[axis * 2..axis * 2 + 2].iter().filter(|f| !f.side.is_known()).count();
+            // What there is no room for at one end is at the other.
+            let (own_m, other_m) = match i {
+                0..4 => (room_m[i], room_m[i ^ 1]),
+                _ => (f64::INFINITY, 0.0),
+            };
+            let share_m = (0.5 * guess).max(guess - other_m).clamp(0.0, own_m);
             let face = &mut self.faces[i];
-            let guess = guess.max(0.0) / sharing.max(1) as f64;
-            face.position_m += guess;
-            face.guessed_m += guess;
-            face.sigma_m = face.sigma_m.hypot(sigma_m).max(least_m);
+            face.position_m += share_m;
+            face.guessed_m += share_m;
+            face.sigma_m = face.sigma_m.hypot(sigma_m.min(own_m)).max(least_m);
         }
     }
 
     /// The class's usual extents along the axes, as far as what was seen tells which of them is the longer one: an
     /// extent with a hidden end may be any part of the usual one, but not much more.
-    fn usual_sizes(&self, [long, short, height]: [f64; 3]) -> [Usual; 3] {
+    fn usual_sizes(&self, [long, short, height]: [f64; 3], room_m: [f64; 4]) -> [Usual; 3] {
         let oddity = |axis: usize, usual: f64| {
-            let is_open =
-                self.faces[2 * axis..2 * axis + 2].iter().any(|face| !face.side.is_known());
-            let off = (self.extent_m(axis) / usual).ln() / SIZE_SPREAD;
-            if is_open { off.max(0.0).powi(2) } else { off.powi(2) }
+            let least_m = self.extent_m(axis);
+            let most_m = least_m + room_m[2 * axis] + room_m[2 * axis + 1];
+            let off = |extent_m: f64| (extent_m / usual).ln() / SIZE_SPREAD;
+            off(least_m).max(0.0).powi(2) + off(most_m).min(0.0).powi(2)
         };
         let along = oddity(0, long) + oddity(1, short);
         let across = oddity(0, short) + oddity(1, long);
@@ -269,7 +273,7 @@ impl Faces {
 }
 
 /// Direction out of face `i` in the level frame.
-fn outward(yaw: f64, i: usize) -> Vector3<f64> {
+pub(super) fn outward(yaw: f64, i: usize) -> Vector3<f64> {
     let (sin, cos) = yaw.sin_cos();
     let axis = match i / 2 {
         0 => Vector3::new(cos, sin, 0.0),
@@ -436,6 +440,8 @@ const UNSEEN_SHARE: f64 = 0.25;
 const THIN_SHARE: f64 = 0.75;
 /// Cosine between the view and a face's outward direction from which on the face is turned away.
 const TURNED_AWAY: f64 = 0.3;
+/// The same where nothing but the front was seen.
+const BARELY_TURNED_AWAY: f64 = 0.1;
 /// Things are symmetric to this share of their extent.
 const MIRROR_SIGMA_SHARE: f64 = 0.08;
 const MIN_EXTENT_M: f64 = 0.005;

@@ -20,6 +20,7 @@ mod glimpse;
 mod measurement;
 mod normal;
 mod registration;
+mod room;
 mod segmentation;
 mod side;
 mod silhouette;

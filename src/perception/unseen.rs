@@ -22,6 +22,13 @@ impl Faces {
         (0..2).any(|axis| self.extent_m(axis) < SLIVER_SHARE * short)
     }
 
+    /// Whether no end of what was seen is its own, its lower end aside, nor the top of what carries things: the wall behind
+    /// an object that one looks through below is seen so.
+    pub(super) fn is_seen_through_a_gap(&self, prior: &ClassPrior) -> bool {
+        let is_seen = |i: usize| matches!(self.faces[i].side, Side::Seen | Side::Mirrored);
+        if prior.carries { !is_seen(5) } else { ![0, 1, 2, 3, 5].into_iter().any(is_seen) }
+    }
+
     /// Where none of the upright faces was seen, what was seen may be any part of the object, or something beside it:
     /// the standard deviation of where it is along either horizontal axis, besides that of its faces (m).
     pub(super) fn place_sigma_m(&self, prior: &ClassPrior) -> f64 {

@@ -1,14 +1,13 @@
-use super::{in_world, measure, size_sigmas};
-use crate::scene::{Scene, looking, standing};
-use ellipsoid_slam::perception::{EllipsoidMeasurement, Side};
+use super::{estimate_all, in_world, measure, size_sigmas};
+use crate::scene::{Scene, View, detection, looking, standing};
+use ellipsoid_slam::{
+    geometry::Rect,
+    perception::{EllipsoidMeasurement, Side},
+};
 use nalgebra::Vector3;
 
 /// Faces of the measurement by the world's direction they look in: the one nearest to `direction`.
-fn face_towards(
-    m: &EllipsoidMeasurement,
-    view: &crate::scene::View,
-    direction: Vector3<f64>,
-) -> usize {
+fn face_towards(m: &EllipsoidMeasurement, view: &View, direction: Vector3<f64>) -> usize {
     let pose = view.world_from_camera * m.ellipsoid.pose;
     let own = pose.rotation.inverse() * direction;
     let axis = own.iamax();
@@ -81,7 +80,7 @@ fn a_side_that_goes_on_outside_the_box_is_cut() {
     let view = scene.seen_from(&looking([0.0, 0.0, 1.1], 0.0, 20.0));
     let whole = view.box_around(shelf);
     let x_max = whole.x_min + 0.6 * whole.width();
-    let half = ellipsoid_slam::geometry::Rect::new(whole.x_min, whole.y_min, x_max, whole.y_max);
+    let half = Rect::new(whole.x_min, whole.y_min, x_max, whole.y_max);
     let m = super::estimate_box(&view, "shelf", half.unwrap()).unwrap();
     let right = face_towards(&m, &view, -Vector3::y());
     let left = face_towards(&m, &view, Vector3::y());
@@ -131,6 +130,48 @@ fn what_stands_against_a_wall_ends_there() {
     assert!(far_end(0.75).is_none_or(|(side, ..)| side != Side::Seen));
 }
 
+/// A short couch between two cupboards that hide both of its ends: it goes on behind them, but not past them.
+#[test]
+fn what_is_hidden_is_not_where_one_can_look_through() {
+    // Half of the length of the couch, if the cupboards are as wide as this.
+    let length = |width_m: f64| {
+        let mut scene = Scene::with_floor();
+        let couch = scene.add(standing(0.0, [2.8, 0.0, 0.4], [0.45, 0.5, 0.4]));
+        for side in [-1.0, 1.0] {
+            let at = [1.8, side * (0.28 + 0.5 * width_m), 0.6];
+            scene.add(standing(0.0, at, [0.02, 0.5 * width_m, 0.6]));
+        }
+        let view = scene.seen_with(&looking([0.0, 0.0, 1.3], 0.0, 20.0), Some(3));
+        let m = measure(&view, "couch", couch);
+        let e = in_world(&m, &view, scene.thing(couch));
+        let axis = face_towards(&m, &view, Vector3::y()) / 2;
+        (e.semi_axes.y, size_sigmas(&m)[axis])
+    };
+    let (free, free_sigma) = length(0.15);
+    assert!(free > 0.4 && free < 0.7 && free_sigma < 0.2, "{free} ± {free_sigma}");
+    // Where nothing says where it ends it is as long as couches are.
+    let (open, open_sigma) = length(1.5);
+    assert!(open > 0.85 && open_sigma > free_sigma, "{open} ± {open_sigma}");
+}
+
+/// The seat of a chair before a table is level and in its box too, and what is above it is not what stands on the table.
+#[test]
+fn the_seat_before_a_table_is_not_its_top() {
+    let mut scene = Scene::with_floor();
+    let table = scene.add(standing(0.0, [3.2, 0.0, 0.73], [0.4, 0.75, 0.02]));
+    let legs = [(2.83, 0.72), (2.83, -0.72), (3.57, 0.72), (3.57, -0.72)]
+        .map(|(x, y)| scene.add(standing(0.0, [x, y, 0.355], [0.03, 0.03, 0.355])));
+    let chair = scene.add(standing(0.0, [2.3, 0.1, 0.22], [0.3, 0.4, 0.22]));
+    let view = scene.seen_with(&looking([0.0, 0.0, 0.95], 0.0, 12.0), Some(5));
+    let rect = Rect { y_max: view.box_around(legs[0]).y_max, ..view.box_around(table) };
+    let boxes = [detection("dining table", rect), detection("chair", view.box_around(chair))];
+    let m = estimate_all(&view, &boxes).objects.remove(0).unwrap();
+    let truth = standing(0.0, [3.2, 0.0, 0.375], [0.4, 0.75, 0.375]);
+    let e = in_world(&m, &view, &truth);
+    assert!((e.center().z + e.semi_axes.z - 0.75).abs() < 0.02, "{e:?}");
+    assert!((e.semi_axes.y - 0.75).abs() < 0.05, "{e:?}");
+}
+
 /// A handle, or leaves: the detector sees them, the depth camera does not.
 #[test]
 fn a_part_without_depth_readings_reaches_as_far_as_the_box() {
@@ -141,7 +182,7 @@ fn a_part_without_depth_readings_reaches_as_far_as_the_box() {
     let mut whole = scene.clone();
     let handle = whole.add(standing(0.6, [2.4, 0.0, 0.6], [0.01, 0.01, HANDLE_M]));
     let upper = whole.seen_from(&looking([0.0, 0.0, 1.1], 0.0, 15.0)).box_around(handle).y_min;
-    let rect = ellipsoid_slam::geometry::Rect { y_min: upper, ..view.box_around(body) };
+    let rect = Rect { y_min: upper, ..view.box_around(body) };
     let m = super::estimate_box(&view, "thing", rect).unwrap();
     let e = in_world(&m, &view, scene.thing(body));
     let top = e.center().z + e.semi_axes.z;

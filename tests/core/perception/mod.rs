@@ -14,8 +14,8 @@ use crate::scene::{View, camera, detection};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, OrientedBox, intersection_over_union, yaw_of},
     perception::{
-        DepthNoise, EllipsoidMeasurement, Frame, FrameEstimate, PerceptionSettings, Rays, Refused,
-        estimate_frame,
+        DepthNoise, Detection, EllipsoidMeasurement, Frame, FrameEstimate, PerceptionSettings,
+        Rays, Refused, estimate_frame,
     },
 };
 use nalgebra::{UnitVector3, Vector3};
@@ -45,6 +45,13 @@ pub(crate) fn estimate_with(
     let rays = Rays::new(camera());
     let frame = Frame::new(&view.depth, &rays, up_in_camera, DepthNoise::default());
     estimate_frame(&frame, &[detection(label, rect)], settings, &mut ())
+}
+
+/// What the view says of several boxes.
+pub(crate) fn estimate_all(view: &View, boxes: &[Detection]) -> FrameEstimate {
+    let rays = Rays::new(camera());
+    let frame = Frame::new(&view.depth, &rays, &view.up_in_camera(), DepthNoise::default());
+    estimate_frame(&frame, boxes, &PerceptionSettings::default(), &mut ())
 }
 
 /// In the world, with axes named as those of `truth`.
