@@ -194,7 +194,7 @@ impl Evidence<'_> {
         let bodies: Vec<Option<(Ellipsoid, f64)>> = observations
             .iter()
             .map(|observation| {
-                let measured = observation.measured.as_ref().filter(|m| !m.is_glimpse)?;
+                let measured = observation.measured.as_ref().filter(|m| m.glimpse.is_none())?;
                 let body = measured.ellipsoid.transformed(self.map_from_base);
                 let own = Prospect::new(view, self.map_from_base, &body, observation.outline);
                 let share =
@@ -231,7 +231,7 @@ impl Evidence<'_> {
         let in_map = measured.ellipsoid.transformed(self.map_from_base);
         let gate = &self.settings.gate;
         // Where only the direction is known, the image says what is near.
-        let is_vague = |at: &usize| measured.is_glimpse || self.objects[*at].is_glimpsed();
+        let is_vague = |at: &usize| measured.glimpse.is_some() || self.objects[*at].is_glimpsed();
         let aligned = fits.in_image.iter().filter(|(at, share)| **share > ALIGNED && is_vague(at));
         let mut near: BTreeSet<usize> = aligned.map(|(at, _)| *at).collect();
         near.extend(index.near(&in_map, REACH_M));

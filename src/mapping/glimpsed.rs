@@ -1,11 +1,11 @@
 //! Objects of which there are only boxes without depth, until one is measured.
 
-use super::{MapObject, views::View};
+use super::{Hints, MapObject, ties::Tie, views::View};
 use crate::{
     geometry::{Ellipsoid, skew},
-    graph::{Graph, PoseId},
+    graph::{EllipsoidId, EllipsoidPrior, Graph, Noise, NoiseError, PoseId},
 };
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 
 impl MapObject {
     /// Whether it was never measured: its place follows from boxes without depth, seen from several places.
@@ -33,18 +33,39 @@ impl MapObject {
     }
 
     /// From the first measurement on, glimpses say nothing new. Returns the poses they were made from.
-    pub(super) fn forget_glimpses(
-        &mut self,
-        graph: &mut Graph,
-        measured: &Ellipsoid,
-    ) -> Vec<PoseId> {
+    pub(super) fn forget_glimpses(&mut self, graph: &mut Graph) -> Vec<PoseId> {
         self.glimpsed = false;
         let glimpses: Vec<View> = self.views.all().cloned().collect();
         self.views.take(graph, &glimpses);
-        graph.set_ellipsoid(self.variable, *measured);
+        self.ties.drain(..).for_each(|tie| graph.remove_factor(tie.in_graph));
         glimpses.iter().map(|view| view.keyframe.pose).collect()
     }
+
+    /// Another one that is the same thing has told how large it usually is.
+    pub(super) fn forget_usual_size(&mut self, graph: &mut Graph) {
+        let is_of_view = |tie: &Tie| tie.pose.is_some();
+        let sizes = self.ties.iter().filter(|tie| !is_of_view(tie));
+        sizes.for_each(|tie| graph.remove_factor(tie.in_graph));
+        self.ties.retain(is_of_view);
+    }
 }
+
+impl Hints {
+    /// That an object that was first seen as `first` is about as large as things of its class are.
+    pub(super) fn prior(
+        &self,
+        object: EllipsoidId,
+        first: &Ellipsoid,
+    ) -> Result<EllipsoidPrior, NoiseError> {
+        let usual = Ellipsoid { semi_axes: self.usual.semi_axes, ..*first };
+        let mut covariance = SMatrix::from_diagonal(&SVector::from(ANYWHERE.map(|s| s * s)));
+        covariance.fixed_view_mut::<3, 3>(6, 6).copy_from(&self.usual.covariance);
+        Ok(EllipsoidPrior::new(object, usual, Noise::from_covariance(&covariance)?))
+    }
+}
+
+/// What a class says of place and heading: nothing, except that what was nearer the camera than wide stands across (rad, m).
+const ANYWHERE: [f64; 9] = [10.0, 10.0, 1.0, 100.0, 100.0, 100.0, 0.0, 0.0, 0.0];
 
 /// Standard deviation of the place of an object from which there must be more than glimpses (m).
 const PLACED_SIGMA_M: f64 = 0.5;

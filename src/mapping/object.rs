@@ -52,7 +52,7 @@ pub struct MapObject {
     pub(super) variable: EllipsoidId,
     pub(super) views: Views,
     /// Its other factors.
-    ties: Vec<Tie>,
+    pub(super) ties: Vec<Tie>,
     /// Where single measurements saw its centre, in the map.
     centers: Vec<Point3<f64>>,
     pub(super) ellipsoid: Ellipsoid,
@@ -94,7 +94,7 @@ impl MapObject {
             votes: BTreeMap::new(),
             belief: BTreeMap::new(),
             existence: Existence::default(),
-            glimpsed: first.measured.as_ref().is_some_and(|measured| measured.is_glimpse),
+            glimpsed: first.measured.as_ref().is_some_and(|measured| measured.glimpse.is_some()),
             placed: false,
             company: Company::default(),
         }
@@ -255,9 +255,9 @@ impl MapObject {
     /// The factors that a new object needs: it stands upright and has about the size and, where only boxes see it, the
     /// place of the first guess. So it is never undetermined.
     pub(super) fn found(
-        &self,
+        &mut self,
         graph: &mut Graph,
-        initial: &Ellipsoid,
+        (first, initial): (&Observation, &Ellipsoid),
         only_boxes: bool,
         settings: &SlamSettings,
     ) -> Result<(), Box<dyn Error>> {
@@ -265,6 +265,10 @@ impl MapObject {
         let sigmas = if only_boxes { BARELY_KNOWN } else { NOT_ABSURD };
         let noise = Noise::from_sigmas(sigmas)?;
         graph.add_factor(EllipsoidPrior::new(self.variable, *initial, noise));
+        if let Some(hints) = first.measured.as_ref().and_then(|m| m.glimpse.as_ref()) {
+            let prior = hints.prior(self.variable, initial)?;
+            self.ties.push(Tie::new(graph, TieFactor::Prior(Box::new(prior)), None));
+        }
         Ok(())
     }
 
@@ -279,12 +283,12 @@ impl MapObject {
     ) -> Result<Vec<PoseId>, Box<dyn Error>> {
         let mut forgotten = Vec::new();
         let measured = observation.measured.as_ref().filter(|_| settings.observations);
-        let is_news = |measured: &&Measured| !measured.is_glimpse || self.glimpsed;
-        if let Some(measured) = measured.filter(is_news) {
+        let is_news = measured.is_none_or(|m| m.glimpse.is_none() || self.glimpsed);
+        if let Some(measured) = measured.filter(|_| is_news) {
             forgotten = self.tie_measured(graph, measured, place, settings)?;
         }
         let sides = &observation.sides;
-        if (settings.boxes || settings.silhouettes) && sides.sides.iter().any(Option::is_some) {
+        if (settings.boxes || is_news) && sides.sides.iter().any(Option::is_some) {
             let outline = match settings.box_outline {
                 BoxOutline::Class => self.outline,
                 BoxOutline::Ellipsoid => Outline::Ellipsoid,
@@ -319,9 +323,12 @@ impl MapObject {
         settings: &SlamSettings,
     ) -> Result<Vec<PoseId>, Box<dyn Error>> {
         let ellipsoid = measured.ellipsoid.transformed(&place.keyframe_from_base);
-        let covariance = match settings.weighting {
-            Weighting::Paper if !measured.is_glimpse => measured.paper_covariance(settings.eps_z),
-            _ => measured.covariance,
+        let covariance = match &measured.glimpse {
+            Some(hints) => hints.depth_covariance,
+            None if settings.weighting == Weighting::Paper => {
+                measured.paper_covariance(settings.eps_z)
+            }
+            None => measured.covariance,
         };
         let factor = EllipsoidObservation::new(
             place.keyframe.pose,
@@ -337,10 +344,11 @@ impl MapObject {
             return Ok(Vec::new());
         }
         let mut forgotten = Vec::new();
-        if !measured.is_glimpse {
+        if measured.glimpse.is_none() {
             let in_map = ellipsoid.transformed(&graph.pose(place.keyframe.pose));
             if self.glimpsed {
-                forgotten = self.forget_glimpses(graph, &in_map);
+                forgotten = self.forget_glimpses(graph);
+                graph.set_ellipsoid(self.variable, in_map);
             }
             self.begin_anew_if_wrong(graph, &in_map);
         }
@@ -385,10 +393,21 @@ impl MapObject {
         mut other: Self,
         (mapping, settings): (&MappingSettings, &SlamSettings),
     ) -> Result<Vec<PoseId>, NoiseError> {
+        let mut forgotten = Vec::new();
+        match (self.glimpsed, other.glimpsed) {
+            (true, false) => {
+                forgotten = self.forget_glimpses(graph);
+                graph.set_ellipsoid(self.variable, other.ellipsoid);
+                self.ellipsoid = other.ellipsoid;
+            }
+            (false, true) => forgotten = other.forget_glimpses(graph),
+            (true, true) => other.forget_usual_size(graph),
+            (false, false) => {}
+        }
         let place = self.ellipsoid.pose;
         let views: Vec<View> = other.views.all().cloned().collect();
         other.views.take(graph, &views);
-        let forgotten = self.views.join(graph, (self.variable, &place), views, settings)?;
+        forgotten.extend(self.views.join(graph, (self.variable, &place), views, settings)?);
         self.ties.extend(other.ties.into_iter().map(|tie| tie.of(graph, self.variable)));
         self.forget_ties(graph, &forgotten);
         graph.remove_variable(other.variable);

@@ -4,6 +4,7 @@ use super::View;
 use crate::{
     geometry::{Ellipsoid, Outline, Plane, Pose, Rect},
     graph::BoxSide,
+    perception::UsualSize,
     time::Stamp,
 };
 use nalgebra::{SMatrix, SVector};
@@ -60,8 +61,18 @@ pub struct Measured {
     pub probability: f64,
     /// The plane it stands on, in the frame of the base.
     pub support: Option<Plane>,
-    /// Whether it is hardly more than a direction: it counts for objects of which nothing better is known.
-    pub is_glimpse: bool,
+    /// What there is besides the box if it is hardly more than a direction: it counts for objects of which nothing better is
+    /// known.
+    pub glimpse: Option<Hints>,
+}
+
+/// What is known of an object besides its box where there is no measurement.
+#[derive(Clone, Debug)]
+pub struct Hints {
+    /// Covariance of what depth says, as a measurement's.
+    pub depth_covariance: SMatrix<f64, 9, 9>,
+    /// What its class says.
+    pub usual: UsualSize,
 }
 
 impl Measured {

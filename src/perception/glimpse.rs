@@ -3,7 +3,7 @@
 
 use super::{Classes, Detection, Frame};
 use crate::geometry::{Camera, Ellipsoid, Pose, Rect};
-use nalgebra::{Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
 /// An object of which one frame shows hardly more than the direction. From several places, such views tell where it is.
 #[derive(Clone, Debug)]
@@ -13,17 +13,63 @@ pub struct Glimpse {
     /// Covariance of `[rotation, translation, log semi-axes]`, a right perturbation in the object's frame: long towards the
     /// camera, and the farther the larger.
     pub covariance: SMatrix<f64, 9, 9>,
+    /// The same without what the sides of the box say: only the range is known, and only where depth readings in the box
+    /// tell it.
+    pub depth_covariance: SMatrix<f64, 9, 9>,
+    /// What is known of its size without looking at it.
+    pub usual: UsualSize,
+    /// Standard deviation of the left, upper, right and lower side of the box (px): large where something nearer is beside
+    /// it, which hides the object's own end; nothing where the image cuts it.
+    pub side_sigmas_px: [Option<f64>; 4],
+}
+
+/// How large an object is, going by its class.
+#[derive(Clone, Copy, Debug)]
+pub struct UsualSize {
+    /// Along the axes of a glimpse: away from the camera, across, and up (m).
+    pub semi_axes: Vector3<f64>,
+    /// Covariance of their logarithms.
+    pub covariance: Matrix3<f64>,
 }
 
 /// Where an object of the box's class is, going by how large it looks and by the depth in the middle of its box. What the
 /// image cuts off follows from the usual proportions of its class; nothing where more than a half or more than one side of
-/// it is cut off, and for classes without a usual size: what hides a part of them is taken for them too easily.
-pub fn glimpse(frame: &Frame<'_>, detection: &Detection, classes: &Classes) -> Option<Glimpse> {
-    let prior = classes.prior(detection.label());
-    let size_m = prior.size_m?;
-    let seen = Apparent::new(frame, &detection.rect, size_m)?;
-    let (range_m, sigma_m) = seen.range_m(frame, &detection.rect, size_m);
-    Some(seen.glimpse(frame, range_m, sigma_m, size_m))
+/// it is cut off.
+///
+/// Something of a class without a usual size is out of the depth camera's reach of `max_range_m` where nothing in the box
+/// has a reading. With readings there is nothing: what hides a part of such an object is taken for it too easily.
+pub fn glimpse(
+    frame: &Frame<'_>,
+    detection: &Detection,
+    classes: &Classes,
+    max_range_m: f64,
+) -> Option<Glimpse> {
+    let rect = &detection.rect;
+    match classes.prior(detection.label()).size_m {
+        Some(size_m) => {
+            let seen = Apparent::new(frame, rect, &completed(rect, frame.camera(), size_m)?);
+            let range = seen.range(frame, rect, size_m);
+            Some(seen.glimpse(frame, rect, (range, size_m, SIZE_SIGMA)))
+        }
+        None if readings(frame, rect).is_empty() => {
+            let seen = Apparent::new(frame, rect, &uncompleted(rect, frame.camera())?);
+            let at_m = BEYOND_REACH * max_range_m;
+            let across = seen.width * at_m / SEEN_WIDTH;
+            let range = Range { at_m, sigma_m: BEYOND_REACH_SIGMA * at_m, is_read: false };
+            let size_m = [across, across, seen.height * at_m];
+            Some(seen.glimpse(frame, rect, (range, size_m, UNKNOWN_SIZE_SIGMA)))
+        }
+        None => None,
+    }
+}
+
+/// How far off the object's middle is.
+#[derive(Clone, Copy)]
+struct Range {
+    at_m: f64,
+    sigma_m: f64,
+    /// Whether depth readings tell it.
+    is_read: bool,
 }
 
 /// A box as angles.
@@ -38,10 +84,10 @@ struct Apparent {
 }
 
 impl Apparent {
-    fn new(frame: &Frame<'_>, rect: &Rect, size_m: [f64; 3]) -> Option<Self> {
+    /// `whole` is the box as it would be in a larger image.
+    fn new(frame: &Frame<'_>, rect: &Rect, whole: &Rect) -> Self {
         let camera = frame.camera();
         let (fx, fy) = camera.focal();
-        let whole = completed(rect, camera, size_m)?;
         let (u, v) = whole.center();
         let ray = camera.ray(u, v);
         let (width, height) = (
@@ -52,12 +98,12 @@ impl Apparent {
         let sigma = |side: usize, focal: f64, extent: f64| {
             (SIDE_SIGMA_PX / focal).hypot(SIDE_SIGMA_RATIO * extent).hypot(0.5 * guessed[side])
         };
-        Some(Self {
+        Self {
             direction: frame.level_from_camera() * ray / ray.norm(),
             width,
             height,
             sigma: [sigma(0, fx, width), sigma(1, fy, height)],
-        })
+        }
     }
 
     /// Sine and cosine of how far the camera looks down at it.
@@ -66,8 +112,8 @@ impl Apparent {
         (sine.abs(), (1.0 - sine * sine).sqrt())
     }
 
-    /// The range of the object's middle and its standard deviation (m).
-    fn range_m(&self, frame: &Frame<'_>, rect: &Rect, [long, short, high]: [f64; 3]) -> (f64, f64) {
+    /// The range of the middle of an object of this size.
+    fn range(&self, frame: &Frame<'_>, rect: &Rect, [long, short, high]: [f64; 3]) -> Range {
         let (sine, cosine) = self.descent();
         let middle = (long * short).sqrt();
         // Of what is partly hidden, less shows: the side that asks for the shorter range is the more credible.
@@ -79,23 +125,24 @@ impl Apparent {
         // The depth in the box is the object's, unless it would have an absurd size there.
         let near = readings_m(frame, rect).map(|near| near + 0.5 * middle);
         match near.filter(|near| (near / range).ln().abs() < 2.0 * SIZE_SIGMA) {
-            Some(near) => (near, READING_SIGMA * near),
-            None => (range, sigma),
+            Some(near) => Range { at_m: near, sigma_m: READING_SIGMA * near, is_read: true },
+            None => Range { at_m: range, sigma_m: sigma, is_read: false },
         }
     }
 
     fn glimpse(
         &self,
         frame: &Frame<'_>,
-        range_m: f64,
-        range_sigma_m: f64,
-        usual: [f64; 3],
+        rect: &Rect,
+        (range, usual, size_sigma): (Range, [f64; 3], f64),
     ) -> Glimpse {
+        let Range { at_m: range_m, sigma_m: range_sigma_m, is_read } = range;
         let (sine, cosine) = self.descent();
         let (width, height) = (self.width * range_m, self.height * range_m);
         let middle = (usual[0] * usual[1]).sqrt();
         let across = (width / SEEN_WIDTH).clamp(0.5 * usual[1], 1.5 * usual[0]);
-        let along = if across > middle { usual[1] } else { usual[0] };
+        let (along, usually_across) =
+            if across > middle { (usual[1], usual[0]) } else { (usual[0], usual[1]) };
         let up = ((height - along * sine) / cosine.max(0.1)).clamp(0.5 * usual[2], 2.0 * usual[2]);
         let semi_axes = 0.5 * Vector3::new(along, across, up);
         let yaw = self.direction.y.atan2(self.direction.x);
@@ -126,25 +173,55 @@ impl Apparent {
                 + (DEPTH_SIGMA * along * sine / up).powi(2),
         ];
         own.iter().enumerate().for_each(|(i, variance)| covariance[(i, i)] += variance);
+        let mut depth_covariance =
+            SMatrix::<f64, 9, 9>::from_diagonal(&SVector::from(UNKNOWN.map(|s| s * s)));
+        if is_read {
+            let known = UNKNOWN[3].powi(2) - range_sigma_m.powi(2);
+            let mut place = depth_covariance.fixed_view_mut::<3, 3>(3, 3);
+            place -= known * away * away.transpose();
+        }
         Glimpse {
             ellipsoid: in_level.transformed(&frame.level_from_camera().inverse()),
             covariance,
+            depth_covariance,
+            usual: UsualSize {
+                semi_axes: 0.5 * Vector3::new(along, usually_across, usual[2]),
+                covariance: Matrix3::repeat(size_sigma * size_sigma)
+                    + Matrix3::from_diagonal(
+                        &Vector3::new(DEPTH_SIGMA, PROPORTION_SIGMA, PROPORTION_SIGMA)
+                            .map(|sigma| sigma * sigma),
+                    ),
+            },
+            side_sigmas_px: side_sigmas_px(frame, rect, range_m),
         }
     }
 }
 
+/// How well each side of a box says where the object ends (px); nothing of a side that the image cuts.
+fn side_sigmas_px(frame: &Frame<'_>, rect: &Rect, range_m: f64) -> [Option<f64>; 4] {
+    let cut = cut_sides(rect, frame.camera());
+    let (cx, cy) = rect.center();
+    let half = [0.5 * rect.width(), 0.5 * rect.height()];
+    std::array::from_fn(|side| {
+        let along = side % 2;
+        let extent = 2.0 * half[along];
+        let sign = if side < 2 { -1.0 } else { 1.0 };
+        let out = sign * (half[along] + BESIDE_PX);
+        let readings = (0..GRID).filter_map(|at| {
+            let across = half[1 - along] * (2.0 * (at as f64 + 0.5) / GRID as f64 - 1.0);
+            let (du, dv) = if along == 0 { (out, across) } else { (across, out) };
+            frame.point_in_level((cx + du).round() as i32, (cy + dv).round() as i32)
+        });
+        let nearer = readings.filter(|p| p.coords.norm() < NEARER * range_m).count();
+        let hidden = if HIDING * nearer > GRID { HIDDEN_RATIO * extent } else { 0.0 };
+        let sigma = SIDE_SIGMA_PX.hypot(SIDE_SIGMA_RATIO * extent).hypot(hidden);
+        (!cut[side]).then_some(sigma)
+    })
+}
+
 /// A lower quartile of the ranges in the middle of a box (m).
 fn readings_m(frame: &Frame<'_>, rect: &Rect) -> Option<f64> {
-    let cell = |low: f64, extent: f64, at: usize| {
-        low + extent * (0.25 + 0.5 * (at as f64 + 0.5) / GRID as f64)
-    };
-    let mut ranges: Vec<f64> = (0..GRID * GRID)
-        .filter_map(|at| {
-            let u = cell(rect.x_min, rect.width(), at % GRID).round() as i32;
-            let v = cell(rect.y_min, rect.height(), at / GRID).round() as i32;
-            frame.point_in_level(u, v).map(|p| nalgebra::distance(&p, &Point3::origin()))
-        })
-        .collect();
+    let mut ranges = readings(frame, rect);
     if 2 * ranges.len() < GRID * GRID {
         return None;
     }
@@ -152,11 +229,36 @@ fn readings_m(frame: &Frame<'_>, rect: &Rect) -> Option<f64> {
     Some(ranges[ranges.len() / 4])
 }
 
-/// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
-fn completed(rect: &Rect, camera: &Camera, size_m: [f64; 3]) -> Option<Rect> {
+/// Ranges in the middle of a box (m).
+fn readings(frame: &Frame<'_>, rect: &Rect) -> Vec<f64> {
+    let cell = |low: f64, extent: f64, at: usize| {
+        low + extent * (0.25 + 0.5 * (at as f64 + 0.5) / GRID as f64)
+    };
+    (0..GRID * GRID)
+        .filter_map(|at| {
+            let u = cell(rect.x_min, rect.width(), at % GRID).round() as i32;
+            let v = cell(rect.y_min, rect.height(), at / GRID).round() as i32;
+            frame.point_in_level(u, v).map(|p| nalgebra::distance(&p, &Point3::origin()))
+        })
+        .collect()
+}
+
+/// Which of the left, upper, right and lower side of a box the image cuts.
+fn cut_sides(rect: &Rect, camera: &Camera) -> [bool; 4] {
     let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
     let distances = [rect.x_min, rect.y_min, right - rect.x_max, bottom - rect.y_max];
-    let cut = distances.map(|distance| distance <= BORDER_PX);
+    distances.map(|distance| distance <= BORDER_PX)
+}
+
+/// A box of which nobody knows how it would be in a larger image: nothing where more than one side is cut.
+fn uncompleted(rect: &Rect, camera: &Camera) -> Option<Rect> {
+    let cut = cut_sides(rect, camera).into_iter().filter(|is_cut| *is_cut).count();
+    (cut <= 1).then_some(*rect)
+}
+
+/// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
+fn completed(rect: &Rect, camera: &Camera, size_m: [f64; 3]) -> Option<Rect> {
+    let cut = cut_sides(rect, camera);
     let Rect { x_min, y_min, x_max, y_max } = *rect;
     let tall = |[long, short, high]: [f64; 3]| high / (SEEN_WIDTH * (long * short).sqrt());
     let by_width = || tall(size_m) * rect.width();
@@ -187,6 +289,19 @@ const SIDE_SIGMA_RATIO: f64 = 0.06;
 const SEEN_WIDTH: f64 = 1.15;
 /// Standard deviation of the logarithm of how large objects of a class are.
 const SIZE_SIGMA: f64 = 0.4;
+/// Of a class without a usual size.
+const UNKNOWN_SIZE_SIGMA: f64 = 0.8;
+/// Standard deviation of the logarithms of an object's extents besides.
+const PROPORTION_SIGMA: f64 = 0.25;
+/// Where something out of the depth camera's reach is, as a share of that reach, and its standard deviation as a share of that.
+const BEYOND_REACH: f64 = 1.4;
+const BEYOND_REACH_SIGMA: f64 = 0.35;
+/// Depth is looked at so far beside a box (px): what is nearer than this share of the object's range
+const BESIDE_PX: f64 = 4.0;
+const NEARER: f64 = 0.8;
+/// along one in so many of a side hides where the object ends, and the side is wrong by this share of the box.
+const HIDING: usize = 3;
+const HIDDEN_RATIO: f64 = 1.0;
 /// Standard deviation of the object's range where depth readings tell it, as a share of it.
 const READING_SIGMA: f64 = 0.15;
 /// Standard deviations of the logarithms of extents: away from the camera, where nothing was seen, across, and upwards.
@@ -195,6 +310,8 @@ const WIDTH_SIGMA: f64 = 0.25;
 const HEIGHT_SIGMA: f64 = 0.15;
 /// A heading that is not known at all (rad).
 const HEADING_SIGMA_RAD: f64 = 1.0;
+/// What nothing is known of (rad, m, 1).
+const UNKNOWN: [f64; 9] = [10.0, 10.0, 10.0, 100.0, 100.0, 100.0, 10.0, 10.0, 10.0];
 const TILT_SIGMA_RAD: f64 = 0.02;
 const BORDER_PX: f64 = 5.0;
 /// Depth readings are looked at on a grid of so many by so many.
