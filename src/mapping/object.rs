@@ -1,8 +1,8 @@
 //! An object of the map.
 
 use super::{
-    BoxOutline, MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings,
-    Weighting,
+    BoxOutline, MappingSettings, Measured, ObjectState, Observation, ObservedBox, SavedObject,
+    SlamSettings, Weighting,
     company::Company,
     existence::Existence,
     odometry::Place,
@@ -12,7 +12,7 @@ use super::{
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
     graph::{
-        BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise,
+        BoxError, BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise,
         NoiseError, PoseId, SupportContact, Upright,
     },
     time::Stamp,
@@ -283,26 +283,14 @@ impl MapObject {
     ) -> Result<Vec<PoseId>, Box<dyn Error>> {
         let mut forgotten = Vec::new();
         let measured = observation.measured.as_ref().filter(|_| settings.observations);
-        let is_news = measured.is_none_or(|m| m.glimpse.is_none() || self.glimpsed);
-        if let Some(measured) = measured.filter(|_| is_news) {
-            forgotten = self.tie_measured(graph, measured, place, settings)?;
+        let mut sides = self.tie_of_sides(observation, place, settings)?;
+        let is_glimpse = measured.is_some_and(|measured| measured.glimpse.is_some());
+        if let Some(measured) = measured.filter(|_| !is_glimpse || self.glimpsed) {
+            let glimpsed = sides.take_if(|_| is_glimpse);
+            forgotten = self.tie_measured(graph, (measured, glimpsed), place, settings)?;
         }
-        let sides = &observation.sides;
-        if (settings.boxes || is_news) && sides.sides.iter().any(Option::is_some) {
-            let outline = match settings.box_outline {
-                BoxOutline::Class => self.outline,
-                BoxOutline::Ellipsoid => Outline::Ellipsoid,
-            };
-            let keyframe_from_camera = place.keyframe_from_base * sides.base_from_camera;
-            let factor = BoxObservation::new(
-                place.keyframe.pose,
-                self.variable,
-                keyframe_from_camera,
-                outline,
-                sides.sides,
-            )?;
-            let factor = TieFactor::Box(factor.with_kernel(settings.robust_kernel()));
-            self.ties.push(Tie::new(graph, factor, Some(place.keyframe.pose)));
+        if let Some(sides) = sides.filter(|_| !is_glimpse || settings.boxes) {
+            self.ties.push(Tie::new(graph, TieFactor::Box(sides), Some(place.keyframe.pose)));
         }
         let support = observation.measured.as_ref().and_then(|measured| measured.support);
         if let Some(plane) = support.filter(|_| settings.support) {
@@ -315,10 +303,31 @@ impl MapObject {
         Ok(forgotten)
     }
 
+    /// The sides of its box, if there are any.
+    fn tie_of_sides(
+        &self,
+        observation: &Observation,
+        place: &Place,
+        settings: &SlamSettings,
+    ) -> Result<Option<BoxObservation>, BoxError> {
+        let ObservedBox { base_from_camera, sides } = observation.sides;
+        if sides.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let outline = match settings.box_outline {
+            BoxOutline::Class => self.outline,
+            BoxOutline::Ellipsoid => Outline::Ellipsoid,
+        };
+        let camera = place.keyframe_from_base * base_from_camera;
+        let pose = place.keyframe.pose;
+        let factor = BoxObservation::new(pose, self.variable, camera, outline, sides)?;
+        Ok(Some(factor.with_kernel(settings.robust_kernel())))
+    }
+
     fn tie_measured(
         &mut self,
         graph: &mut Graph,
-        measured: &Measured,
+        (measured, sides): (&Measured, Option<BoxObservation>),
         place: &Place,
         settings: &SlamSettings,
     ) -> Result<Vec<PoseId>, Box<dyn Error>> {
@@ -353,7 +362,7 @@ impl MapObject {
             self.begin_anew_if_wrong(graph, &in_map);
         }
         let map_from_object = self.ellipsoid.pose;
-        let view = (place.keyframe, factor);
+        let view = View::new(place.keyframe, factor, sides);
         forgotten.extend(self.views.add(graph, &map_from_object, view, settings)?);
         self.forget_ties(graph, &forgotten);
         Ok(forgotten)

@@ -18,9 +18,9 @@ pub struct Glimpse {
     pub depth_covariance: SMatrix<f64, 9, 9>,
     /// What is known of its size without looking at it.
     pub usual: UsualSize,
-    /// Standard deviation of the left, upper, right and lower side of the box (px): large where something nearer is beside
-    /// it, which hides the object's own end; nothing where the image cuts it.
-    pub side_sigmas_px: [Option<f64>; 4],
+    /// How far the object may reach out of the left, upper, right and lower side of the box (px): zero, but where something
+    /// nearer is beside the box, which hides the object's own end. Nothing where the image cuts it.
+    pub hidden_px: [Option<f64>; 4],
 }
 
 /// How large an object is, going by its class.
@@ -49,15 +49,17 @@ pub fn glimpse(
         Some(size_m) => {
             let seen = Apparent::new(frame, rect, &completed(rect, frame.camera(), size_m)?);
             let range = seen.range(frame, rect, size_m);
-            Some(seen.glimpse(frame, rect, (range, size_m, SIZE_SIGMA)))
+            let sigmas = [SIZE_SIGMA, PROPORTION_SIGMA];
+            Some(seen.glimpse(frame, rect, (range, size_m, sigmas)))
         }
         None if readings(frame, rect).is_empty() => {
             let seen = Apparent::new(frame, rect, &uncompleted(rect, frame.camera())?);
             let at_m = BEYOND_REACH * max_range_m;
             let across = seen.width * at_m / SEEN_WIDTH;
             let range = Range { at_m, sigma_m: BEYOND_REACH_SIGMA * at_m, is_read: false };
-            let size_m = [across, across, seen.height * at_m];
-            Some(seen.glimpse(frame, rect, (range, size_m, UNKNOWN_SIZE_SIGMA)))
+            let middle = (across * seen.height * at_m).sqrt();
+            let size_m = [across.max(middle), across.min(middle), middle];
+            Some(seen.glimpse(frame, rect, (range, size_m, UNKNOWN_SIGMAS)))
         }
         None => None,
     }
@@ -134,7 +136,7 @@ impl Apparent {
         &self,
         frame: &Frame<'_>,
         rect: &Rect,
-        (range, usual, size_sigma): (Range, [f64; 3], f64),
+        (range, usual, [size_sigma, proportion_sigma]): (Range, [f64; 3], [f64; 2]),
     ) -> Glimpse {
         let Range { at_m: range_m, sigma_m: range_sigma_m, is_read } = range;
         let (sine, cosine) = self.descent();
@@ -188,34 +190,41 @@ impl Apparent {
                 semi_axes: 0.5 * Vector3::new(along, usually_across, usual[2]),
                 covariance: Matrix3::repeat(size_sigma * size_sigma)
                     + Matrix3::from_diagonal(
-                        &Vector3::new(DEPTH_SIGMA, PROPORTION_SIGMA, PROPORTION_SIGMA)
-                            .map(|sigma| sigma * sigma),
+                        &Vector3::new(
+                            DEPTH_SIGMA.max(proportion_sigma),
+                            proportion_sigma,
+                            proportion_sigma,
+                        )
+                        .map(|sigma| sigma * sigma),
                     ),
             },
-            side_sigmas_px: side_sigmas_px(frame, rect, range_m),
+            hidden_px: hidden_px(frame, rect, range_m),
         }
     }
 }
 
-/// How well each side of a box says where the object ends (px); nothing of a side that the image cuts.
-fn side_sigmas_px(frame: &Frame<'_>, rect: &Rect, range_m: f64) -> [Option<f64>; 4] {
-    let cut = cut_sides(rect, frame.camera());
+/// How far the object may reach out of each side of a box (px).
+fn hidden_px(frame: &Frame<'_>, rect: &Rect, range_m: f64) -> [Option<f64>; 4] {
+    let cut = cut_sides(rect, frame.camera(), PERHAPS_CUT_PX);
     let (cx, cy) = rect.center();
     let half = [0.5 * rect.width(), 0.5 * rect.height()];
     std::array::from_fn(|side| {
         let along = side % 2;
-        let extent = 2.0 * half[along];
         let sign = if side < 2 { -1.0 } else { 1.0 };
-        let out = sign * (half[along] + BESIDE_PX);
-        let readings = (0..GRID).filter_map(|at| {
-            let across = half[1 - along] * (2.0 * (at as f64 + 0.5) / GRID as f64 - 1.0);
+        let is_nearer = |out: f64, across: f64| {
             let (du, dv) = if along == 0 { (out, across) } else { (across, out) };
-            frame.point_in_level((cx + du).round() as i32, (cy + dv).round() as i32)
+            let seen = frame.point_in_level((cx + du).round() as i32, (cy + dv).round() as i32);
+            seen.is_some_and(|p| p.coords.norm() < NEARER * range_m)
+        };
+        let nearer = (0..GRID).filter(|at| {
+            let across = half[1 - along] * (2.0 * (*at as f64 + 0.5) / GRID as f64 - 1.0);
+            BESIDE_PX.iter().any(|beside| is_nearer(sign * (half[along] + beside), across))
         });
-        let nearer = readings.filter(|p| p.coords.norm() < NEARER * range_m).count();
-        let hidden = if HIDING * nearer > GRID { HIDDEN_RATIO * extent } else { 0.0 };
-        let sigma = SIDE_SIGMA_PX.hypot(SIDE_SIGMA_RATIO * extent).hypot(hidden);
-        (!cut[side]).then_some(sigma)
+        let nearer = nearer.count();
+        // Of what the left or right border cuts, the image shows a part of the top and the bottom.
+        let is_hidden = HIDING * nearer > GRID || along == 1 && (cut[0] || cut[2]);
+        let hidden = if is_hidden { 2.0 * half[0].max(half[1]) } else { 0.0 };
+        (!cut[side]).then_some(hidden)
     })
 }
 
@@ -244,21 +253,21 @@ fn readings(frame: &Frame<'_>, rect: &Rect) -> Vec<f64> {
 }
 
 /// Which of the left, upper, right and lower side of a box the image cuts.
-fn cut_sides(rect: &Rect, camera: &Camera) -> [bool; 4] {
+fn cut_sides(rect: &Rect, camera: &Camera, border_px: f64) -> [bool; 4] {
     let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
     let distances = [rect.x_min, rect.y_min, right - rect.x_max, bottom - rect.y_max];
-    distances.map(|distance| distance <= BORDER_PX)
+    distances.map(|distance| distance <= border_px)
 }
 
 /// A box of which nobody knows how it would be in a larger image: nothing where more than one side is cut.
 fn uncompleted(rect: &Rect, camera: &Camera) -> Option<Rect> {
-    let cut = cut_sides(rect, camera).into_iter().filter(|is_cut| *is_cut).count();
+    let cut = cut_sides(rect, camera, BORDER_PX).into_iter().filter(|is_cut| *is_cut).count();
     (cut <= 1).then_some(*rect)
 }
 
 /// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
 fn completed(rect: &Rect, camera: &Camera, size_m: [f64; 3]) -> Option<Rect> {
-    let cut = cut_sides(rect, camera);
+    let cut = cut_sides(rect, camera, BORDER_PX);
     let Rect { x_min, y_min, x_max, y_max } = *rect;
     let tall = |[long, short, high]: [f64; 3]| high / (SEEN_WIDTH * (long * short).sqrt());
     let by_width = || tall(size_m) * rect.width();
@@ -289,19 +298,18 @@ const SIDE_SIGMA_RATIO: f64 = 0.06;
 const SEEN_WIDTH: f64 = 1.15;
 /// Standard deviation of the logarithm of how large objects of a class are.
 const SIZE_SIGMA: f64 = 0.4;
-/// Of a class without a usual size.
-const UNKNOWN_SIZE_SIGMA: f64 = 0.8;
-/// Standard deviation of the logarithms of an object's extents besides.
+/// Standard deviation of the logarithms of its extents besides.
 const PROPORTION_SIGMA: f64 = 0.25;
+/// Both for a class without a usual size.
+const UNKNOWN_SIGMAS: [f64; 2] = [0.8, 0.7];
 /// Where something out of the depth camera's reach is, as a share of that reach, and its standard deviation as a share of that.
 const BEYOND_REACH: f64 = 1.4;
 const BEYOND_REACH_SIGMA: f64 = 0.35;
 /// Depth is looked at so far beside a box (px): what is nearer than this share of the object's range
-const BESIDE_PX: f64 = 4.0;
+const BESIDE_PX: [f64; 3] = [3.0, 7.0, 11.0];
 const NEARER: f64 = 0.8;
-/// along one in so many of a side hides where the object ends, and the side is wrong by this share of the box.
+/// along one in so many of a side hides where the object ends.
 const HIDING: usize = 3;
-const HIDDEN_RATIO: f64 = 1.0;
 /// Standard deviation of the object's range where depth readings tell it, as a share of it.
 const READING_SIGMA: f64 = 0.15;
 /// Standard deviations of the logarithms of extents: away from the camera, where nothing was seen, across, and upwards.
@@ -314,5 +322,7 @@ const HEADING_SIGMA_RAD: f64 = 1.0;
 const UNKNOWN: [f64; 9] = [10.0, 10.0, 10.0, 100.0, 100.0, 100.0, 10.0, 10.0, 10.0];
 const TILT_SIGMA_RAD: f64 = 0.02;
 const BORDER_PX: f64 = 5.0;
+/// A side as near to the border of the image as this may be cut: detectors draw sides of cut objects a little inside.
+const PERHAPS_CUT_PX: f64 = 12.0;
 /// Depth readings are looked at on a grid of so many by so many.
 const GRID: usize = 7;

@@ -313,7 +313,9 @@ fn observed_box(
     let sides = std::array::from_fn(|side| {
         let (at, is_inside, focal) = places[side];
         let sigma_px = match glimpse {
-            Some(glimpse) if !settings.boxes => glimpse.side_sigmas_px[side],
+            Some(glimpse) if !settings.boxes => {
+                glimpse.hidden_px[side].map(|px| px.hypot(usual(side)))
+            }
             _ => used[side].then(|| usual(side)),
         };
         sigma_px.filter(|_| is_inside).map(|px| BoxSide { at, sigma: px / focal })
