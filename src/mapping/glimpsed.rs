@@ -68,4 +68,4 @@ impl Hints {
 const ANYWHERE: [f64; 9] = [10.0, 10.0, 1.0, 100.0, 100.0, 100.0, 0.0, 0.0, 0.0];
 
 /// Standard deviation of the place of an object from which there must be more than glimpses (m).
-const PLACED_SIGMA_M: f64 = 0.5;
+const PLACED_SIGMA_M: f64 = 0.6;

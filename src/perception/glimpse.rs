@@ -45,6 +45,9 @@ pub fn glimpse(
     max_range_m: f64,
 ) -> Option<Glimpse> {
     let rect = &detection.rect;
+    if rect.width().min(rect.height()) < MIN_EXTENT_PX {
+        return None;
+    }
     match classes.prior(detection.label()).size_m {
         Some(size_m) => {
             let seen = Apparent::new(frame, rect, &completed(rect, frame.camera(), size_m)?);
@@ -259,10 +262,11 @@ fn cut_sides(rect: &Rect, camera: &Camera, border_px: f64) -> [bool; 4] {
     distances.map(|distance| distance <= border_px)
 }
 
-/// A box of which nobody knows how it would be in a larger image: nothing where more than one side is cut.
+/// A box of which nobody knows how it would be in a larger image: nothing where it cuts the left or the right
+/// side, as little is left of what tells one such object from another then, or the top and the bottom.
 fn uncompleted(rect: &Rect, camera: &Camera) -> Option<Rect> {
-    let cut = cut_sides(rect, camera, BORDER_PX).into_iter().filter(|is_cut| *is_cut).count();
-    (cut <= 1).then_some(*rect)
+    let [left, upper, right, lower] = cut_sides(rect, camera, BORDER_PX);
+    (!left && !right && !(upper && lower)).then_some(*rect)
 }
 
 /// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
@@ -321,6 +325,8 @@ const HEADING_SIGMA_RAD: f64 = 1.0;
 /// What nothing is known of (rad, m, 1).
 const UNKNOWN: [f64; 9] = [10.0, 10.0, 10.0, 100.0, 100.0, 100.0, 10.0, 10.0, 10.0];
 const TILT_SIGMA_RAD: f64 = 0.02;
+/// Of a smaller box nobody knows how large it is.
+const MIN_EXTENT_PX: f64 = 8.0;
 const BORDER_PX: f64 = 5.0;
 /// A side as near to the border of the image as this may be cut: detectors draw sides of cut objects a little inside.
 const PERHAPS_CUT_PX: f64 = 12.0;
