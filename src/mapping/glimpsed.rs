@@ -2,10 +2,10 @@
 
 use super::{Hints, MapObject, ties::Tie, views::View};
 use crate::{
-    geometry::{Ellipsoid, skew},
-    graph::{EllipsoidId, EllipsoidPrior, Graph, Noise, NoiseError, PoseId},
+    geometry::{Ellipsoid, Pose, skew},
+    graph::{EllipsoidId, EllipsoidPrior, Factor, Graph, Noise, NoiseError, PoseId, Variable},
 };
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Point3, SMatrix, SVector};
 
 impl MapObject {
     /// Whether it was never measured: its place follows from boxes without depth, seen from several places.
@@ -30,6 +30,42 @@ impl MapObject {
         let place: SMatrix<f64, 3, 3> =
             by_both * joint.fixed_view::<15, 15>(0, 0) * by_both.transpose();
         self.placed = place.symmetric_eigenvalues().max().sqrt() < PLACED_SIGMA_M;
+    }
+
+    /// Begins the estimate anew at the range from `eye` that all its boxes fit best: descent on a robust cost does not come
+    /// from the range that the first box suggested to one twice as large.
+    pub(super) fn range_anew(&self, graph: &mut Graph, eye: &Point3<f64>) {
+        let estimate = graph.ellipsoid(self.variable);
+        let line = estimate.center() - eye;
+        let at_range = |ratio: f64| {
+            let pose = Pose::from_parts((eye + ratio * line).into(), estimate.pose.rotation);
+            Ellipsoid { pose, semi_axes: ratio * estimate.semi_axes }
+        };
+        let cost = |body: &Ellipsoid| -> f64 {
+            let body = Variable::Ellipsoid(*body);
+            let of_factor = |factor: &dyn Factor, at: &[Variable]| {
+                factor.kernel().cost(factor.residual(at).norm_squared())
+            };
+            let of_view = |view: &View| {
+                let at = [Variable::Pose(graph.pose(view.keyframe.pose)), body];
+                let sides = view.sides.as_ref().map_or(0.0, |sides| of_factor(sides, &at));
+                of_factor(&view.factor, &at) + sides
+            };
+            let sizes = self.ties.iter().filter(|tie| tie.pose.is_none());
+            self.views.all().map(of_view).sum::<f64>()
+                + sizes.map(|tie| of_factor(tie.factor(), &[body])).sum::<f64>()
+        };
+        let (mut best, mut least) = (None, cost(&estimate) - SURELY_BETTER);
+        for ratio in RANGE_RATIOS {
+            let body = at_range(ratio);
+            let cost = cost(&body);
+            if cost < least {
+                (best, least) = (Some(body), cost);
+            }
+        }
+        if let Some(body) = best {
+            graph.set_ellipsoid(self.variable, body);
+        }
     }
 
     /// From the first measurement on, glimpses say nothing new. Returns the poses they were made from.
@@ -64,6 +100,10 @@ impl Hints {
     }
 }
 
+/// Ranges that are tried, as shares of the estimated one.
+const RANGE_RATIOS: [f64; 8] = [0.4, 0.5, 0.65, 0.8, 1.25, 1.5, 2.0, 2.5];
+/// By so much the cost has to be less.
+const SURELY_BETTER: f64 = 1.0;
 /// What a class says of place and heading: nothing, except that what was nearer the camera than wide stands across (rad, m).
 const ANYWHERE: [f64; 9] = [10.0, 10.0, 1.0, 100.0, 100.0, 100.0, 0.0, 0.0, 0.0];
 

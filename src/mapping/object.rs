@@ -364,6 +364,10 @@ impl MapObject {
         let map_from_object = self.ellipsoid.pose;
         let view = View::new(place.keyframe, factor, sides);
         forgotten.extend(self.views.add(graph, &map_from_object, view, settings)?);
+        if self.glimpsed && !self.placed {
+            let eye = graph.pose(place.keyframe.pose).translation.vector.into();
+            self.range_anew(graph, &eye);
+        }
         self.forget_ties(graph, &forgotten);
         Ok(forgotten)
     }

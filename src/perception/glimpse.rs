@@ -45,9 +45,6 @@ pub fn glimpse(
     max_range_m: f64,
 ) -> Option<Glimpse> {
     let rect = &detection.rect;
-    if rect.width().min(rect.height()) < MIN_EXTENT_PX {
-        return None;
-    }
     match classes.prior(detection.label()).size_m {
         Some(size_m) => {
             let seen = Apparent::new(frame, rect, &completed(rect, frame.camera(), size_m)?);
@@ -266,7 +263,8 @@ fn cut_sides(rect: &Rect, camera: &Camera, border_px: f64) -> [bool; 4] {
 /// side, as little is left of what tells one such object from another then, or the top and the bottom.
 fn uncompleted(rect: &Rect, camera: &Camera) -> Option<Rect> {
     let [left, upper, right, lower] = cut_sides(rect, camera, BORDER_PX);
-    (!left && !right && !(upper && lower)).then_some(*rect)
+    let is_clear = rect.width().min(rect.height()) > MIN_EXTENT_PX;
+    (is_clear && !left && !right && !(upper && lower)).then_some(*rect)
 }
 
 /// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
@@ -305,7 +303,7 @@ const SIZE_SIGMA: f64 = 0.4;
 /// Standard deviation of the logarithms of its extents besides.
 const PROPORTION_SIGMA: f64 = 0.25;
 /// Both for a class without a usual size.
-const UNKNOWN_SIGMAS: [f64; 2] = [0.8, 0.7];
+const UNKNOWN_SIGMAS: [f64; 2] = [0.6, 0.5];
 /// Where something out of the depth camera's reach is, as a share of that reach, and its standard deviation as a share of that.
 const BEYOND_REACH: f64 = 1.4;
 const BEYOND_REACH_SIGMA: f64 = 0.35;
