@@ -1,8 +1,7 @@
 //! An object of the map.
 
 use super::{
-    BoxOutline, MappingSettings, Measured, ObjectState, Observation, ObservedBox, SavedObject,
-    SlamSettings, Weighting,
+    MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings, Weighting,
     company::Company,
     existence::Existence,
     odometry::Place,
@@ -12,7 +11,7 @@ use super::{
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
     graph::{
-        BoxError, BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise,
+        BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise,
         NoiseError, PoseId, SupportContact, Upright,
     },
     time::Stamp,
@@ -283,7 +282,8 @@ impl MapObject {
     ) -> Result<Vec<PoseId>, Box<dyn Error>> {
         let mut forgotten = Vec::new();
         let measured = observation.measured.as_ref().filter(|_| settings.observations);
-        let mut sides = self.tie_of_sides(observation, place, settings)?;
+        let to = (self.variable, self.outline);
+        let mut sides = observation.sides.factor(place, to, settings)?;
         let is_glimpse = measured.is_some_and(|measured| measured.glimpse.is_some());
         if let Some(measured) = measured.filter(|_| !is_glimpse || self.glimpsed) {
             let glimpsed = sides.take_if(|_| is_glimpse);
@@ -301,27 +301,6 @@ impl MapObject {
             self.ties.push(Tie::new(graph, factor, None));
         }
         Ok(forgotten)
-    }
-
-    /// The sides of its box, if there are any.
-    fn tie_of_sides(
-        &self,
-        observation: &Observation,
-        place: &Place,
-        settings: &SlamSettings,
-    ) -> Result<Option<BoxObservation>, BoxError> {
-        let ObservedBox { base_from_camera, sides } = observation.sides;
-        if sides.iter().all(Option::is_none) {
-            return Ok(None);
-        }
-        let outline = match settings.box_outline {
-            BoxOutline::Class => self.outline,
-            BoxOutline::Ellipsoid => Outline::Ellipsoid,
-        };
-        let camera = place.keyframe_from_base * base_from_camera;
-        let pose = place.keyframe.pose;
-        let factor = BoxObservation::new(pose, self.variable, camera, outline, sides)?;
-        Ok(Some(factor.with_kernel(settings.robust_kernel())))
     }
 
     fn tie_measured(

@@ -1,9 +1,9 @@
 //! What a keyframe brings to the map.
 
-use super::View;
+use super::{BoxOutline, SlamSettings, View, odometry::Place};
 use crate::{
     geometry::{Ellipsoid, Outline, Plane, Pose, Rect},
-    graph::BoxSide,
+    graph::{BoxError, BoxObservation, BoxSide, EllipsoidId},
     perception::UsualSize,
     time::Stamp,
 };
@@ -48,6 +48,28 @@ pub struct ObservedBox {
     pub base_from_camera: Pose,
     /// Left, upper, right, lower; nothing for a side that the border of the image cuts.
     pub sides: [Option<BoxSide>; 4],
+}
+
+impl ObservedBox {
+    /// The factor that ties an object to its sides, if there are any.
+    pub(super) fn factor(
+        &self,
+        place: &Place,
+        (object, outline): (EllipsoidId, Outline),
+        settings: &SlamSettings,
+    ) -> Result<Option<BoxObservation>, BoxError> {
+        if self.sides.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let outline = match settings.box_outline {
+            BoxOutline::Class => outline,
+            BoxOutline::Ellipsoid => Outline::Ellipsoid,
+        };
+        let camera = place.keyframe_from_base * self.base_from_camera;
+        let pose = place.keyframe.pose;
+        let factor = BoxObservation::new(pose, object, camera, outline, self.sides)?;
+        Ok(Some(factor.with_kernel(settings.robust_kernel())))
+    }
 }
 
 /// A single-frame ellipsoid.

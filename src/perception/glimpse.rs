@@ -36,8 +36,8 @@ pub struct UsualSize {
 /// image cuts off follows from the usual proportions of its class; nothing where more than a half or more than one side of
 /// it is cut off.
 ///
-/// Something of a class without a usual size is out of the depth camera's reach of `max_range_m` where nothing in the box
-/// has a reading. With readings there is nothing: what hides a part of such an object is taken for it too easily.
+/// Something of a class without a usual size is out of the depth camera's reach of `max_range_m` where nothing in the middle
+/// of the box is within it. Otherwise there is nothing: what hides a part of such an object is taken for it too easily.
 pub fn glimpse(
     frame: &Frame<'_>,
     detection: &Detection,
@@ -52,16 +52,31 @@ pub fn glimpse(
             let sigmas = [SIZE_SIGMA, PROPORTION_SIGMA];
             Some(seen.glimpse(frame, rect, (range, size_m, sigmas)))
         }
-        None if readings(frame, rect).is_empty() => {
+        None if readings(frame, rect).iter().all(|range_m| *range_m > max_range_m) => {
             let seen = Apparent::new(frame, rect, &uncompleted(rect, frame.camera())?);
-            let at_m = BEYOND_REACH * max_range_m;
-            let across = seen.width * at_m / SEEN_WIDTH;
-            let range = Range { at_m, sigma_m: BEYOND_REACH_SIGMA * at_m, is_read: false };
-            let middle = (across * seen.height * at_m).sqrt();
+            let range = match readings_m(frame, rect) {
+                Some(at_m) => Range { at_m, sigma_m: READING_SIGMA * at_m, is_read: true },
+                None => {
+                    let at_m = BEYOND_REACH * max_range_m;
+                    Range { at_m, sigma_m: BEYOND_REACH_SIGMA * at_m, is_read: false }
+                }
+            };
+            let across = seen.width * range.at_m / SEEN_WIDTH;
+            let middle = (across * seen.height * range.at_m).sqrt();
             let size_m = [across.max(middle), across.min(middle), middle];
             Some(seen.glimpse(frame, rect, (range, size_m, UNKNOWN_SIGMAS)))
         }
         None => None,
+    }
+}
+
+impl UsualSize {
+    /// Extents (m), and standard deviations of the logarithms of the size and, besides, of each extent.
+    fn new(extents_m: [f64; 3], [size, proportion]: [f64; 2]) -> Self {
+        let own = Vector3::new(DEPTH_SIGMA.max(proportion), proportion, proportion);
+        let own = Matrix3::from_diagonal(&own.map(|sigma| sigma * sigma));
+        let covariance = Matrix3::repeat(size * size) + own;
+        Self { semi_axes: 0.5 * Vector3::from(extents_m), covariance }
     }
 }
 
@@ -72,6 +87,19 @@ struct Range {
     sigma_m: f64,
     /// Whether depth readings tell it.
     is_read: bool,
+}
+
+impl Range {
+    /// What depth says and nothing else, with a unit vector away from the camera in the object's frame.
+    fn depth_covariance(&self, away: &Vector3<f64>) -> SMatrix<f64, 9, 9> {
+        let mut covariance = SMatrix::from_diagonal(&SVector::from(UNKNOWN.map(|s| s * s)));
+        if self.is_read {
+            let known = UNKNOWN[3].powi(2) - self.sigma_m.powi(2);
+            let mut place = covariance.fixed_view_mut::<3, 3>(3, 3);
+            place -= known * away * away.transpose();
+        }
+        covariance
+    }
 }
 
 /// A box as angles.
@@ -136,9 +164,9 @@ impl Apparent {
         &self,
         frame: &Frame<'_>,
         rect: &Rect,
-        (range, usual, [size_sigma, proportion_sigma]): (Range, [f64; 3], [f64; 2]),
+        (range, usual, usual_sigmas): (Range, [f64; 3], [f64; 2]),
     ) -> Glimpse {
-        let Range { at_m: range_m, sigma_m: range_sigma_m, is_read } = range;
+        let Range { at_m: range_m, sigma_m: range_sigma_m, .. } = range;
         let (sine, cosine) = self.descent();
         let (width, height) = (self.width * range_m, self.height * range_m);
         let middle = (usual[0] * usual[1]).sqrt();
@@ -175,29 +203,11 @@ impl Apparent {
                 + (DEPTH_SIGMA * along * sine / up).powi(2),
         ];
         own.iter().enumerate().for_each(|(i, variance)| covariance[(i, i)] += variance);
-        let mut depth_covariance =
-            SMatrix::<f64, 9, 9>::from_diagonal(&SVector::from(UNKNOWN.map(|s| s * s)));
-        if is_read {
-            let known = UNKNOWN[3].powi(2) - range_sigma_m.powi(2);
-            let mut place = depth_covariance.fixed_view_mut::<3, 3>(3, 3);
-            place -= known * away * away.transpose();
-        }
         Glimpse {
             ellipsoid: in_level.transformed(&frame.level_from_camera().inverse()),
             covariance,
-            depth_covariance,
-            usual: UsualSize {
-                semi_axes: 0.5 * Vector3::new(along, usually_across, usual[2]),
-                covariance: Matrix3::repeat(size_sigma * size_sigma)
-                    + Matrix3::from_diagonal(
-                        &Vector3::new(
-                            DEPTH_SIGMA.max(proportion_sigma),
-                            proportion_sigma,
-                            proportion_sigma,
-                        )
-                        .map(|sigma| sigma * sigma),
-                    ),
-            },
+            depth_covariance: range.depth_covariance(&away),
+            usual: UsualSize::new([along, usually_across, usual[2]], usual_sigmas),
             hidden_px: hidden_px(frame, rect, range_m),
         }
     }
@@ -259,12 +269,13 @@ fn cut_sides(rect: &Rect, camera: &Camera, border_px: f64) -> [bool; 4] {
     distances.map(|distance| distance <= border_px)
 }
 
-/// A box of which nobody knows how it would be in a larger image: nothing where it cuts the left or the right
-/// side, as little is left of what tells one such object from another then, or the top and the bottom.
+/// A box of which nobody knows how it would be in a larger image: nothing where the image cuts the left or the right side or
+/// both others, or where it is small, as one does not know how much of the object it shows.
 fn uncompleted(rect: &Rect, camera: &Camera) -> Option<Rect> {
     let [left, upper, right, lower] = cut_sides(rect, camera, BORDER_PX);
-    let is_clear = rect.width().min(rect.height()) > MIN_EXTENT_PX;
-    (is_clear && !left && !right && !(upper && lower)).then_some(*rect)
+    let is_small = rect.width().min(rect.height()) < MIN_EXTENT_PX;
+    let is_unclear = is_small || left || right || (upper && lower);
+    (!is_unclear).then_some(*rect)
 }
 
 /// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
