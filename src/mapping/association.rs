@@ -242,7 +242,7 @@ impl Evidence<'_> {
             let object = &self.objects[at];
             let called = self.settings.labels.cost(&observation.labels, object.belief());
             // Of what may be anywhere, only the name tells whether it is the same.
-            let compares_boxes = measured.glimpse.is_some() && object.is_glimpsed();
+            let compares_boxes = observation.compares_box(object);
             let is_vague = compares_boxes || self.is_adrift(at);
             let is_alike = self.settings.labels.is_alike(called);
             if called >= gate.new_object_cost || is_vague && !is_alike {

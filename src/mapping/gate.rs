@@ -65,7 +65,8 @@ impl Candidate {
         (pose, object): (PoseId, &MapObject),
         settings: &GateSettings,
     ) -> Self {
-        if let Some(hints) = measured.glimpse.as_ref().filter(|_| object.is_glimpsed()) {
+        if let Some(hints) = measured.glimpse.as_ref().filter(|_| observation.compares_box(object))
+        {
             return Self::of_boxes((observation, measured, hints), step, (pose, object));
         }
         let ellipsoid = measured.ellipsoid.transformed(&step.pose_from_base);

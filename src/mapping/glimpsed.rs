@@ -1,6 +1,6 @@
 //! Objects of which there are only boxes without depth, until one is measured.
 
-use super::{Hints, MapObject, ties::Tie, views::View};
+use super::{Hints, MapObject, Observation, ties::Tie, views::View};
 use crate::{
     geometry::{Ellipsoid, Pose, skew},
     graph::{EllipsoidId, EllipsoidPrior, Factor, Graph, Noise, NoiseError, PoseId, Variable},
@@ -83,6 +83,14 @@ impl MapObject {
         let sizes = self.ties.iter().filter(|tie| !is_of_view(tie));
         sizes.for_each(|tie| graph.remove_factor(tie.in_graph));
         self.ties.retain(is_of_view);
+    }
+}
+
+impl Observation {
+    /// Whether boxes alone tell if it is this object.
+    pub(super) fn compares_box(&self, object: &MapObject) -> bool {
+        let is_glimpse = self.measured.as_ref().is_some_and(|measured| measured.glimpse.is_some());
+        is_glimpse && object.is_glimpsed() && self.sides.sides.iter().any(Option::is_some)
     }
 }
 

@@ -13,14 +13,23 @@ pub struct Glimpse {
     /// Covariance of `[rotation, translation, log semi-axes]`, a right perturbation in the object's frame: long towards the
     /// camera, and the farther the larger.
     pub covariance: SMatrix<f64, 9, 9>,
-    /// The same without what the sides of the box say: only the range is known, and only where depth readings in the box
-    /// tell it.
+    /// The same without what the sides of the box say, if there are any to use: only the range is known then, and only where
+    /// depth readings in the box tell it.
     pub depth_covariance: SMatrix<f64, 9, 9>,
     /// What is known of its size without looking at it.
     pub usual: UsualSize,
     /// How far the object may reach out of the left, upper, right and lower side of the box (px): zero, but where something
-    /// nearer is beside the box, which hides the object's own end. Nothing where the image cuts it.
+    /// nearer is beside the box, which hides the object's own end. Nothing where the image cuts it, and of what is not out of
+    /// the depth camera's reach.
     pub hidden_px: [Option<f64>; 4],
+}
+
+impl Glimpse {
+    /// Of what is within the depth camera's reach and could not be measured, something else is in the box or hides a part
+    /// of it: its sides count for no more than where the object is.
+    fn by_itself(self) -> Self {
+        Self { depth_covariance: self.covariance, hidden_px: [None; 4], ..self }
+    }
 }
 
 /// How large an object is, going by its class.
@@ -50,7 +59,11 @@ pub fn glimpse(
             let seen = Apparent::new(frame, rect, &completed(rect, frame.camera(), size_m)?);
             let range = seen.range(frame, rect, size_m);
             let sigmas = [SIZE_SIGMA, PROPORTION_SIGMA];
-            Some(seen.glimpse(frame, rect, (range, size_m, sigmas)))
+            let glimpse = seen.glimpse(frame, rect, (range, size_m, sigmas));
+            let ranges = readings(frame, rect);
+            let within = ranges.iter().filter(|range_m| **range_m <= max_range_m).count();
+            let is_beyond = MOSTLY * within < GRID * GRID;
+            Some(if is_beyond { glimpse } else { glimpse.by_itself() })
         }
         None if readings(frame, rect).iter().all(|range_m| *range_m > max_range_m) => {
             let seen = Apparent::new(frame, rect, &uncompleted(rect, frame.camera())?);
@@ -339,5 +352,7 @@ const MIN_EXTENT_PX: f64 = 8.0;
 const BORDER_PX: f64 = 5.0;
 /// A side as near to the border of the image as this may be cut: detectors draw sides of cut objects a little inside.
 const PERHAPS_CUT_PX: f64 = 12.0;
+/// An object is out of reach where less than one in so many readings is within it.
+const MOSTLY: usize = 4;
 /// Depth readings are looked at on a grid of so many by so many.
 const GRID: usize = 7;
