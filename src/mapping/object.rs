@@ -264,7 +264,8 @@ impl MapObject {
         let sigmas = if only_boxes { BARELY_KNOWN } else { NOT_ABSURD };
         let noise = Noise::from_sigmas(sigmas)?;
         graph.add_factor(EllipsoidPrior::new(self.variable, *initial, noise));
-        if let Some(hints) = first.measured.as_ref().and_then(|m| m.glimpse.as_ref()) {
+        let hints = first.measured.as_ref().and_then(|measured| measured.glimpse.as_ref());
+        if let Some(hints) = hints.filter(|_| first.sides.sides.iter().any(Option::is_some)) {
             let prior = hints.prior(self.variable, initial)?;
             self.ties.push(Tie::new(graph, TieFactor::Prior(Box::new(prior)), None));
         }

@@ -62,7 +62,8 @@ pub fn glimpse(
             let glimpse = seen.glimpse(frame, rect, (range, size_m, sigmas));
             let ranges = readings(frame, rect);
             let within = ranges.iter().filter(|range_m| **range_m <= max_range_m).count();
-            let is_beyond = MOSTLY * within < GRID * GRID;
+            let is_far = range.at_m > max_range_m;
+            let is_beyond = within == 0 || is_far && MOSTLY * within < GRID * GRID;
             Some(if is_beyond { glimpse } else { glimpse.by_itself() })
         }
         None if readings(frame, rect).iter().all(|range_m| *range_m > max_range_m) => {
@@ -352,7 +353,7 @@ const MIN_EXTENT_PX: f64 = 8.0;
 const BORDER_PX: f64 = 5.0;
 /// A side as near to the border of the image as this may be cut: detectors draw sides of cut objects a little inside.
 const PERHAPS_CUT_PX: f64 = 12.0;
-/// An object is out of reach where less than one in so many readings is within it.
+/// What should be out of reach by its size is where less than one in so many readings is within it.
 const MOSTLY: usize = 4;
 /// Depth readings are looked at on a grid of so many by so many.
 const GRID: usize = 7;
