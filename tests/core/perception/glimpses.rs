@@ -101,9 +101,10 @@ fn without_depth_the_sides_of_the_box_are_all_there_is() {
     let of = |view: &View, label: &str| look(view, label, thing).glimpses[0].clone();
     let range_variance = |glimpse: &Glimpse| {
         let in_camera = glimpse.ellipsoid.center().coords;
-        let away = glimpse.ellipsoid.pose.rotation.inverse() * in_camera.normalize();
+        let away = glimpse.ellipsoid.pose.rotation.inverse() * (in_camera / in_camera.norm());
         let place = glimpse.depth_covariance.fixed_view::<3, 3>(3, 3).into_owned();
-        let aside = away.cross(&Vector3::z()).normalize();
+        let aside = away.cross(&Vector3::z());
+        let aside = aside / aside.norm();
         [(away.transpose() * place * away)[0], (aside.transpose() * place * aside)[0]]
     };
     // Depth at 8 m is too coarse for a measurement, and still says the range.
