@@ -89,7 +89,7 @@ fn observation(body: Ellipsoid, base_from_camera: Pose, camera: &Camera) -> Obse
             covariance,
             probability: 0.8,
             support: None,
-            is_glimpse: false,
+            glimpse: None,
         }),
     }
 }

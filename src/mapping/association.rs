@@ -194,7 +194,7 @@ impl Evidence<'_> {
         let bodies: Vec<Option<(Ellipsoid, f64)>> = observations
             .iter()
             .map(|observation| {
-                let measured = observation.measured.as_ref().filter(|m| !m.is_glimpse)?;
+                let measured = observation.measured.as_ref().filter(|m| m.glimpse.is_none())?;
                 let body = measured.ellipsoid.transformed(self.map_from_base);
                 let own = Prospect::new(view, self.map_from_base, &body, observation.outline);
                 let share =
@@ -231,25 +231,32 @@ impl Evidence<'_> {
         let in_map = measured.ellipsoid.transformed(self.map_from_base);
         let gate = &self.settings.gate;
         // Where only the direction is known, the image says what is near.
-        let is_vague = |at: &usize| measured.is_glimpse || self.objects[*at].is_glimpsed();
-        let aligned = fits.in_image.iter().filter(|(at, share)| **share > ALIGNED && is_vague(at));
+        let is_unsure = |at: &usize| measured.glimpse.is_some() || self.objects[*at].is_glimpsed();
+        let aligned = fits.in_image.iter().filter(|(at, share)| **share > ALIGNED && is_unsure(at));
         let mut near: BTreeSet<usize> = aligned.map(|(at, _)| *at).collect();
         near.extend(index.near(&in_map, REACH_M));
+        near.extend((0..self.objects.len()).filter(|at| self.is_adrift(*at)));
         let old = |at: &usize| self.long_ago.is_some_and(|then| self.objects[*at].last_seen < then);
         near.extend(index.near(&in_map, self.reach_m(measured)).into_iter().filter(old));
         for at in near {
             let object = &self.objects[at];
             let called = self.settings.labels.cost(&observation.labels, object.belief());
-            if called >= gate.new_object_cost {
+            // Of what may be anywhere, only the name tells whether it is the same.
+            let compares_boxes = observation.compares_box(object);
+            let is_vague = compares_boxes || self.is_adrift(at);
+            let is_alike = self.settings.labels.is_alike(called);
+            if called >= gate.new_object_cost || is_vague && !is_alike {
                 continue;
             }
-            let candidate = Candidate::new(measured, self.step, (self.pose, object), gate);
+            let candidate =
+                Candidate::new((observation, measured), self.step, (self.pose, object), gate);
             let joint =
                 known.entry(at).or_insert_with(|| joint_covariance(self.graph, self.step, object));
             let apart = candidate.cost(self.graph, self.step, (object, joint));
             let seen = observation.rect.as_ref().zip(prospects.get(&at));
             let image = seen.map(|(rect, prospect)| rect.overlap(&prospect.rect));
-            let box_cost = image.map_or(NO_BOX_COST, |share| -share.max(LEAST_OVERLAP).ln());
+            let image_cost = image.map_or(NO_BOX_COST, |share| -share.max(LEAST_OVERLAP).ln());
+            let box_cost = if compares_boxes { 0.0 } else { image_cost };
             let (of_smaller, _) = overlap(&in_map, object.estimate());
             // Single frames are wrong by more than they say now and then: what stands in the same place and looks the
             // same is the same, however unlikely.
@@ -259,13 +266,19 @@ impl Evidence<'_> {
             fits.costs.insert(at, apart.min(most) + box_cost + called + shy);
             let is_there = of_smaller > TOUCHING
                 || image.is_some_and(|share| {
-                    share > gate.min_box_overlap && (of_smaller > 0.0 || is_vague(&at))
+                    share > gate.min_box_overlap && (of_smaller > 0.0 || is_unsure(&at))
                 });
-            if is_there && self.settings.labels.is_alike(called) {
+            if is_there && is_alike {
                 fits.explaining.insert(at, of_smaller);
             }
         }
         fits
+    }
+
+    /// Whether an object may be anywhere along the directions that it was seen in.
+    fn is_adrift(&self, at: usize) -> bool {
+        let object = &self.objects[at];
+        object.is_glimpsed() && !object.is_placed()
     }
 
     /// How far from a measurement its object may be found if it was not seen for long (m): a robot that comes back finds

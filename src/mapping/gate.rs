@@ -1,11 +1,14 @@
 //! How well a measurement fits an object.
 
-use super::{MapObject, Measured};
+use super::{Hints, MapObject, Measured, Observation, ObservedBox};
 use crate::{
     geometry::{Ellipsoid, OrientedBox, Pose, intersection_volume, skew},
-    graph::{EllipsoidObservation, Factor, Graph, PoseId, Variable},
+    graph::{
+        BoxObservation, BoxSide, EllipsoidObservation, Factor, Graph, Linearization, PoseId,
+        Variable,
+    },
 };
-use nalgebra::{DMatrix, Matrix6, SMatrix};
+use nalgebra::{DMatrix, DVector, Matrix6, SMatrix};
 use serde::{Deserialize, Serialize};
 
 /// Which measurements may be one object. Costs are negative logarithms of probabilities.
@@ -51,17 +54,21 @@ pub(super) struct Step {
 
 /// A measurement as the gate compares it.
 pub(super) struct Candidate {
-    factor: Option<EllipsoidObservation>,
+    factors: Vec<Box<dyn Factor>>,
 }
 
 impl Candidate {
     /// `pose` is that of the keyframe: only names the factor.
     pub(super) fn new(
-        measured: &Measured,
+        (observation, measured): (&Observation, &Measured),
         step: &Step,
         (pose, object): (PoseId, &MapObject),
         settings: &GateSettings,
     ) -> Self {
+        if let Some(hints) = measured.glimpse.as_ref().filter(|_| observation.compares_box(object))
+        {
+            return Self::of_boxes((observation, measured, hints), step, (pose, object));
+        }
         let ellipsoid = measured.ellipsoid.transformed(&step.pose_from_base);
         let mut covariance = measured.covariance + moved(&measured.ellipsoid, &step.covariance);
         let sigmas = [settings.position_sigma_m, settings.size_sigma_ratio];
@@ -78,7 +85,38 @@ impl Candidate {
             &covariance,
             object.outline,
         );
-        Self { factor: factor.ok() }
+        let factor = factor.map(|factor| Box::new(factor) as Box<dyn Factor>);
+        Self { factors: factor.into_iter().collect() }
+    }
+
+    /// Of an object that was never measured, boxes are compared: where a box says that it is by itself, the usual size of its
+    /// class says, which is wrong alike for all of them.
+    fn of_boxes(
+        (observation, measured, hints): (&Observation, &Measured, &Hints),
+        step: &Step,
+        (pose, object): (PoseId, &MapObject),
+    ) -> Self {
+        let mut factors: Vec<Box<dyn Factor>> = Vec::new();
+        let turned = step.covariance.fixed_view::<3, 3>(0, 0).symmetric_eigenvalues().max();
+        let ObservedBox { base_from_camera, sides } = observation.sides;
+        let camera = step.pose_from_base * base_from_camera;
+        let loose = |side: BoxSide| {
+            let sigma = (side.sigma * SIDE_DOUBT).hypot(turned.max(0.0).sqrt());
+            BoxSide { sigma, ..side }
+        };
+        let sides = sides.map(|side| side.map(loose));
+        let sides = BoxObservation::new(pose, object.variable(), camera, object.outline, sides);
+        factors.extend(sides.ok().map(|factor| Box::new(factor) as Box<dyn Factor>));
+        let ellipsoid = measured.ellipsoid.transformed(&step.pose_from_base);
+        let depth = EllipsoidObservation::new(
+            pose,
+            object.variable(),
+            ellipsoid,
+            &hints.depth_covariance,
+            object.outline,
+        );
+        factors.extend(depth.ok().map(|factor| Box::new(factor) as Box<dyn Factor>));
+        Self { factors }
     }
 
     /// What it costs to be an object: half the squared Mahalanobis distance with the joint covariance of pose and object
@@ -90,17 +128,27 @@ impl Candidate {
         step: &Step,
         (object, known): (&MapObject, &DMatrix<f64>),
     ) -> f64 {
-        let Some(factor) = &self.factor else { return f64::MAX };
+        if self.factors.is_empty() {
+            return f64::MAX;
+        }
         let estimate = graph.ellipsoid(object.variable());
         let at = [Variable::Pose(step.map_from_pose), Variable::Ellipsoid(estimate)];
-        let linear = factor.linearize(&at);
-        let mut innovation = &linear.jacobian * known * linear.jacobian.transpose();
-        (0..9).for_each(|i| innovation[(i, i)] += 1.0);
+        let linear: Vec<_> = self.factors.iter().map(|factor| factor.linearize(&at)).collect();
+        let rows = linear.iter().map(|linear| linear.residual.len()).sum();
+        let (mut residual, mut jacobian) = (DVector::zeros(rows), DMatrix::zeros(rows, 15));
+        let mut row = 0;
+        for Linearization { residual: r, jacobian: j } in &linear {
+            residual.rows_mut(row, r.len()).copy_from(r);
+            jacobian.rows_mut(row, r.len()).copy_from(j);
+            row += r.len();
+        }
+        let mut innovation = &jacobian * known * jacobian.transpose();
+        (0..rows).for_each(|i| innovation[(i, i)] += 1.0);
         match innovation.cholesky() {
             Some(factors) => {
                 let vagueness =
                     factors.l_dirty().diagonal().iter().map(|entry| entry.ln()).sum::<f64>();
-                0.5 * linear.residual.dot(&factors.solve(&linear.residual))
+                0.5 * residual.dot(&factors.solve(&residual))
                     + (VAGUENESS_SHARE * vagueness).min(MOST_VAGUENESS)
             }
             None => f64::MAX,
@@ -138,6 +186,8 @@ pub(super) fn overlap(a: &Ellipsoid, b: &Ellipsoid) -> (f64, f64) {
     (common / smaller, common / (sum - common))
 }
 
+/// Sides of single boxes are wrong by more than they say now and then.
+const SIDE_DOUBT: f64 = 2.0;
 /// The likelihood of a measurement falls with the root of the innovation's determinant. Half of its logarithm counts, as a
 /// pose that is hardly known makes all objects vague alike,
 const VAGUENESS_SHARE: f64 = 0.5;

@@ -1,11 +1,11 @@
 //! Objects of which there are only boxes without depth, until one is measured.
 
-use super::{MapObject, views::View};
+use super::{Hints, MapObject, Observation, ties::Tie, views::View};
 use crate::{
-    geometry::{Ellipsoid, skew},
-    graph::{Graph, PoseId},
+    geometry::{Ellipsoid, Pose, skew},
+    graph::{EllipsoidId, EllipsoidPrior, Factor, Graph, Noise, NoiseError, PoseId, Variable},
 };
-use nalgebra::SMatrix;
+use nalgebra::{Point3, SMatrix, SVector};
 
 impl MapObject {
     /// Whether it was never measured: its place follows from boxes without depth, seen from several places.
@@ -32,19 +32,88 @@ impl MapObject {
         self.placed = place.symmetric_eigenvalues().max().sqrt() < PLACED_SIGMA_M;
     }
 
+    /// Begins the estimate anew at the range from `eye` that all its boxes fit best: descent on a robust cost does not come
+    /// from the range that the first box suggested to one twice as large.
+    pub(super) fn range_anew(&self, graph: &mut Graph, eye: &Point3<f64>) {
+        let estimate = graph.ellipsoid(self.variable);
+        let line = estimate.center() - eye;
+        let at_range = |ratio: f64| {
+            let pose = Pose::from_parts((eye + ratio * line).into(), estimate.pose.rotation);
+            Ellipsoid { pose, semi_axes: ratio * estimate.semi_axes }
+        };
+        let cost = |body: &Ellipsoid| -> f64 {
+            let body = Variable::Ellipsoid(*body);
+            let of_factor = |factor: &dyn Factor, at: &[Variable]| {
+                factor.kernel().cost(factor.residual(at).norm_squared())
+            };
+            let of_view = |view: &View| {
+                let at = [Variable::Pose(graph.pose(view.keyframe.pose)), body];
+                let sides = view.sides.as_ref().map_or(0.0, |sides| of_factor(sides, &at));
+                of_factor(&view.factor, &at) + sides
+            };
+            let sizes = self.ties.iter().filter(|tie| tie.pose.is_none());
+            self.views.all().map(of_view).sum::<f64>()
+                + sizes.map(|tie| of_factor(tie.factor(), &[body])).sum::<f64>()
+        };
+        let (mut best, mut least) = (None, cost(&estimate) - SURELY_BETTER);
+        for ratio in RANGE_RATIOS {
+            let body = at_range(ratio);
+            let cost = cost(&body);
+            if cost < least {
+                (best, least) = (Some(body), cost);
+            }
+        }
+        if let Some(body) = best {
+            graph.set_ellipsoid(self.variable, body);
+        }
+    }
+
     /// From the first measurement on, glimpses say nothing new. Returns the poses they were made from.
-    pub(super) fn forget_glimpses(
-        &mut self,
-        graph: &mut Graph,
-        measured: &Ellipsoid,
-    ) -> Vec<PoseId> {
+    pub(super) fn forget_glimpses(&mut self, graph: &mut Graph) -> Vec<PoseId> {
         self.glimpsed = false;
         let glimpses: Vec<View> = self.views.all().cloned().collect();
         self.views.take(graph, &glimpses);
-        graph.set_ellipsoid(self.variable, *measured);
+        self.ties.drain(..).for_each(|tie| graph.remove_factor(tie.in_graph));
         glimpses.iter().map(|view| view.keyframe.pose).collect()
+    }
+
+    /// Another one that is the same thing has told how large it usually is.
+    pub(super) fn forget_usual_size(&mut self, graph: &mut Graph) {
+        let is_of_view = |tie: &Tie| tie.pose.is_some();
+        let sizes = self.ties.iter().filter(|tie| !is_of_view(tie));
+        sizes.for_each(|tie| graph.remove_factor(tie.in_graph));
+        self.ties.retain(is_of_view);
     }
 }
 
+impl Observation {
+    /// Whether boxes alone tell if it is this object.
+    pub(super) fn compares_box(&self, object: &MapObject) -> bool {
+        let is_glimpse = self.measured.as_ref().is_some_and(|measured| measured.glimpse.is_some());
+        is_glimpse && object.is_glimpsed() && self.sides.sides.iter().any(Option::is_some)
+    }
+}
+
+impl Hints {
+    /// That an object that was first seen as `first` is about as large as things of its class are.
+    pub(super) fn prior(
+        &self,
+        object: EllipsoidId,
+        first: &Ellipsoid,
+    ) -> Result<EllipsoidPrior, NoiseError> {
+        let usual = Ellipsoid { semi_axes: self.usual.semi_axes, ..*first };
+        let mut covariance = SMatrix::from_diagonal(&SVector::from(ANYWHERE.map(|s| s * s)));
+        covariance.fixed_view_mut::<3, 3>(6, 6).copy_from(&self.usual.covariance);
+        Ok(EllipsoidPrior::new(object, usual, Noise::from_covariance(&covariance)?))
+    }
+}
+
+/// Ranges that are tried, as shares of the estimated one.
+const RANGE_RATIOS: [f64; 8] = [0.4, 0.5, 0.65, 0.8, 1.25, 1.5, 2.0, 2.5];
+/// By so much the cost has to be less.
+const SURELY_BETTER: f64 = 1.0;
+/// What a class says of place and heading: nothing, except that what was nearer the camera than wide stands across (rad, m).
+const ANYWHERE: [f64; 9] = [10.0, 10.0, 1.0, 100.0, 100.0, 100.0, 0.0, 0.0, 0.0];
+
 /// Standard deviation of the place of an object from which there must be more than glimpses (m).
-const PLACED_SIGMA_M: f64 = 0.5;
+const PLACED_SIGMA_M: f64 = 0.6;

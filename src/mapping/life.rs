@@ -195,7 +195,9 @@ impl ObjectMap {
         let labels = &self.settings.labels;
         let (of_smaller, of_both) = overlap(a.estimate(), b.estimate());
         let is_alike = labels.is_alike(labels.cost_of_same(a.belief(), b.belief()));
-        of_both > SAME_SPACE || is_alike && of_smaller > SAME_PLACE
+        // Of what was never measured nobody knows which space it fills.
+        let is_vague = a.is_glimpsed() || b.is_glimpsed();
+        !is_vague && of_both > SAME_SPACE || is_alike && of_smaller > SAME_PLACE
     }
 
     /// Gives what has come to count the identity of what has left its place, if it is like it and like nothing else.

@@ -34,7 +34,7 @@ pub use life::ObjectChange;
 pub use merging::MergeError;
 pub use object::{MapObject, ObjectId};
 pub use objects::{MappingSettings, ObjectMap, Sighted};
-pub use observation::{Measured, Observation, ObservedBox, Sighting};
+pub use observation::{Hints, Measured, Observation, ObservedBox, Sighting};
 pub use queries::{Distance, InView, Region};
 pub use relocalisation::{
     Constellation, ExpectedPlace, Landmark, NotRelocalised, RelocalisationSettings, Relocalised,

@@ -1,8 +1,7 @@
 //! An object of the map.
 
 use super::{
-    BoxOutline, MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings,
-    Weighting,
+    MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings, Weighting,
     company::Company,
     existence::Existence,
     odometry::Place,
@@ -52,7 +51,7 @@ pub struct MapObject {
     pub(super) variable: EllipsoidId,
     pub(super) views: Views,
     /// Its other factors.
-    ties: Vec<Tie>,
+    pub(super) ties: Vec<Tie>,
     /// Where single measurements saw its centre, in the map.
     centers: Vec<Point3<f64>>,
     pub(super) ellipsoid: Ellipsoid,
@@ -94,7 +93,7 @@ impl MapObject {
             votes: BTreeMap::new(),
             belief: BTreeMap::new(),
             existence: Existence::default(),
-            glimpsed: first.measured.as_ref().is_some_and(|measured| measured.is_glimpse),
+            glimpsed: first.measured.as_ref().is_some_and(|measured| measured.glimpse.is_some()),
             placed: false,
             company: Company::default(),
         }
@@ -255,9 +254,9 @@ impl MapObject {
     /// The factors that a new object needs: it stands upright and has about the size and, where only boxes see it, the
     /// place of the first guess. So it is never undetermined.
     pub(super) fn found(
-        &self,
+        &mut self,
         graph: &mut Graph,
-        initial: &Ellipsoid,
+        (first, initial): (&Observation, &Ellipsoid),
         only_boxes: bool,
         settings: &SlamSettings,
     ) -> Result<(), Box<dyn Error>> {
@@ -265,6 +264,11 @@ impl MapObject {
         let sigmas = if only_boxes { BARELY_KNOWN } else { NOT_ABSURD };
         let noise = Noise::from_sigmas(sigmas)?;
         graph.add_factor(EllipsoidPrior::new(self.variable, *initial, noise));
+        let hints = first.measured.as_ref().and_then(|measured| measured.glimpse.as_ref());
+        if let Some(hints) = hints.filter(|_| first.sides.sides.iter().any(Option::is_some)) {
+            let prior = hints.prior(self.variable, initial)?;
+            self.ties.push(Tie::new(graph, TieFactor::Prior(Box::new(prior)), None));
+        }
         Ok(())
     }
 
@@ -279,26 +283,15 @@ impl MapObject {
     ) -> Result<Vec<PoseId>, Box<dyn Error>> {
         let mut forgotten = Vec::new();
         let measured = observation.measured.as_ref().filter(|_| settings.observations);
-        let is_news = |measured: &&Measured| !measured.is_glimpse || self.glimpsed;
-        if let Some(measured) = measured.filter(is_news) {
-            forgotten = self.tie_measured(graph, measured, place, settings)?;
+        let to = (self.variable, self.outline);
+        let mut sides = observation.sides.factor(place, to, settings)?;
+        let is_glimpse = measured.is_some_and(|measured| measured.glimpse.is_some());
+        if let Some(measured) = measured.filter(|_| !is_glimpse || self.glimpsed) {
+            let glimpsed = sides.take_if(|_| is_glimpse);
+            forgotten = self.tie_measured(graph, (measured, glimpsed), place, settings)?;
         }
-        let sides = &observation.sides;
-        if (settings.boxes || settings.silhouettes) && sides.sides.iter().any(Option::is_some) {
-            let outline = match settings.box_outline {
-                BoxOutline::Class => self.outline,
-                BoxOutline::Ellipsoid => Outline::Ellipsoid,
-            };
-            let keyframe_from_camera = place.keyframe_from_base * sides.base_from_camera;
-            let factor = BoxObservation::new(
-                place.keyframe.pose,
-                self.variable,
-                keyframe_from_camera,
-                outline,
-                sides.sides,
-            )?;
-            let factor = TieFactor::Box(factor.with_kernel(settings.robust_kernel()));
-            self.ties.push(Tie::new(graph, factor, Some(place.keyframe.pose)));
+        if let Some(sides) = sides.filter(|_| !is_glimpse || settings.boxes) {
+            self.ties.push(Tie::new(graph, TieFactor::Box(sides), Some(place.keyframe.pose)));
         }
         let support = observation.measured.as_ref().and_then(|measured| measured.support);
         if let Some(plane) = support.filter(|_| settings.support) {
@@ -314,14 +307,17 @@ impl MapObject {
     fn tie_measured(
         &mut self,
         graph: &mut Graph,
-        measured: &Measured,
+        (measured, sides): (&Measured, Option<BoxObservation>),
         place: &Place,
         settings: &SlamSettings,
     ) -> Result<Vec<PoseId>, Box<dyn Error>> {
         let ellipsoid = measured.ellipsoid.transformed(&place.keyframe_from_base);
-        let covariance = match settings.weighting {
-            Weighting::Paper if !measured.is_glimpse => measured.paper_covariance(settings.eps_z),
-            _ => measured.covariance,
+        let covariance = match &measured.glimpse {
+            Some(hints) => hints.depth_covariance,
+            None if settings.weighting == Weighting::Paper => {
+                measured.paper_covariance(settings.eps_z)
+            }
+            None => measured.covariance,
         };
         let factor = EllipsoidObservation::new(
             place.keyframe.pose,
@@ -337,16 +333,21 @@ impl MapObject {
             return Ok(Vec::new());
         }
         let mut forgotten = Vec::new();
-        if !measured.is_glimpse {
+        if measured.glimpse.is_none() {
             let in_map = ellipsoid.transformed(&graph.pose(place.keyframe.pose));
             if self.glimpsed {
-                forgotten = self.forget_glimpses(graph, &in_map);
+                forgotten = self.forget_glimpses(graph);
+                graph.set_ellipsoid(self.variable, in_map);
             }
             self.begin_anew_if_wrong(graph, &in_map);
         }
         let map_from_object = self.ellipsoid.pose;
-        let view = (place.keyframe, factor);
+        let view = View::new(place.keyframe, factor, sides);
         forgotten.extend(self.views.add(graph, &map_from_object, view, settings)?);
+        if self.glimpsed && !self.placed {
+            let eye = graph.pose(place.keyframe.pose).translation.vector.into();
+            self.range_anew(graph, &eye);
+        }
         self.forget_ties(graph, &forgotten);
         Ok(forgotten)
     }
@@ -385,10 +386,21 @@ impl MapObject {
         mut other: Self,
         (mapping, settings): (&MappingSettings, &SlamSettings),
     ) -> Result<Vec<PoseId>, NoiseError> {
+        let mut forgotten = Vec::new();
+        match (self.glimpsed, other.glimpsed) {
+            (true, false) => {
+                forgotten = self.forget_glimpses(graph);
+                graph.set_ellipsoid(self.variable, other.ellipsoid);
+                self.ellipsoid = other.ellipsoid;
+            }
+            (false, true) => forgotten = other.forget_glimpses(graph),
+            (true, true) => other.forget_usual_size(graph),
+            (false, false) => {}
+        }
         let place = self.ellipsoid.pose;
         let views: Vec<View> = other.views.all().cloned().collect();
         other.views.take(graph, &views);
-        let forgotten = self.views.join(graph, (self.variable, &place), views, settings)?;
+        forgotten.extend(self.views.join(graph, (self.variable, &place), views, settings)?);
         self.ties.extend(other.ties.into_iter().map(|tie| tie.of(graph, self.variable)));
         self.forget_ties(graph, &forgotten);
         graph.remove_variable(other.variable);

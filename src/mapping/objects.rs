@@ -259,7 +259,7 @@ impl ObjectMap {
         let mut object =
             MapObject::new(id, stamp, observation, (self.graph.add_ellipsoid(initial), &initial));
         let only_boxes = observation.measured.is_none() || !self.slam.observations;
-        object.found(&mut self.graph, &initial, only_boxes, &self.slam)?;
+        object.found(&mut self.graph, (observation, &initial), only_boxes, &self.slam)?;
         if let Some(views) = observation.track.and_then(|track| self.initial.remove(&track)) {
             for (place, view) in views.earlier() {
                 object.join(stamp, view, map_from_base, &self.settings);

@@ -1,9 +1,10 @@
 //! What a keyframe brings to the map.
 
-use super::View;
+use super::{BoxOutline, SlamSettings, View, odometry::Place};
 use crate::{
     geometry::{Ellipsoid, Outline, Plane, Pose, Rect},
-    graph::BoxSide,
+    graph::{BoxError, BoxObservation, BoxSide, EllipsoidId},
+    perception::UsualSize,
     time::Stamp,
 };
 use nalgebra::{SMatrix, SVector};
@@ -49,6 +50,28 @@ pub struct ObservedBox {
     pub sides: [Option<BoxSide>; 4],
 }
 
+impl ObservedBox {
+    /// The factor that ties an object to its sides, if there are any.
+    pub(super) fn factor(
+        &self,
+        place: &Place,
+        (object, outline): (EllipsoidId, Outline),
+        settings: &SlamSettings,
+    ) -> Result<Option<BoxObservation>, BoxError> {
+        if self.sides.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let outline = match settings.box_outline {
+            BoxOutline::Class => outline,
+            BoxOutline::Ellipsoid => Outline::Ellipsoid,
+        };
+        let camera = place.keyframe_from_base * self.base_from_camera;
+        let pose = place.keyframe.pose;
+        let factor = BoxObservation::new(pose, object, camera, outline, self.sides)?;
+        Ok(Some(factor.with_kernel(settings.robust_kernel())))
+    }
+}
+
 /// A single-frame ellipsoid.
 #[derive(Clone, Debug)]
 pub struct Measured {
@@ -60,8 +83,18 @@ pub struct Measured {
     pub probability: f64,
     /// The plane it stands on, in the frame of the base.
     pub support: Option<Plane>,
-    /// Whether it is hardly more than a direction: it counts for objects of which nothing better is known.
-    pub is_glimpse: bool,
+    /// What there is besides the box if it is hardly more than a direction: it counts for objects of which nothing better is
+    /// known.
+    pub glimpse: Option<Hints>,
+}
+
+/// What is known of an object besides its box where there is no measurement.
+#[derive(Clone, Debug)]
+pub struct Hints {
+    /// Covariance of what depth says, as a measurement's.
+    pub depth_covariance: SMatrix<f64, 9, 9>,
+    /// What its class says.
+    pub usual: UsualSize,
 }
 
 impl Measured {

@@ -38,6 +38,15 @@ impl Tie {
         Self { factor, in_graph, pose }
     }
 
+    pub(super) fn factor(&self) -> &dyn Factor {
+        match &self.factor {
+            TieFactor::Box(factor) => factor,
+            TieFactor::Support(factor) => factor,
+            TieFactor::Measured(factor) => factor.as_ref(),
+            TieFactor::Prior(factor) => factor.as_ref(),
+        }
+    }
+
     /// The same for another object.
     pub(super) fn of(self, graph: &mut Graph, variable: EllipsoidId) -> Self {
         graph.remove_factor(self.in_graph);

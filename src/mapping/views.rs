@@ -3,7 +3,9 @@
 use super::{SlamSettings, odometry::KeyframeId};
 use crate::{
     geometry::Pose,
-    graph::{EllipsoidId, EllipsoidObservation, FactorId, Graph, NoiseError, PoseId},
+    graph::{
+        BoxObservation, EllipsoidId, EllipsoidObservation, FactorId, Graph, NoiseError, PoseId,
+    },
 };
 use std::{cmp::Reverse, collections::BTreeMap};
 
@@ -19,7 +21,38 @@ pub(super) struct View {
     pub(super) keyframe: KeyframeId,
     /// With all the information that the measurement claims.
     pub(super) factor: EllipsoidObservation,
-    in_graph: FactorId,
+    /// The sides of its box, of a glimpse.
+    pub(super) sides: Option<BoxObservation>,
+    in_graph: Vec<FactorId>,
+}
+
+impl View {
+    pub(super) fn new(
+        keyframe: KeyframeId,
+        factor: EllipsoidObservation,
+        sides: Option<BoxObservation>,
+    ) -> Self {
+        Self { keyframe, factor, sides, in_graph: Vec::new() }
+    }
+
+    /// Gives the graph its factors with this share of their information.
+    fn enter(
+        &mut self,
+        graph: &mut Graph,
+        share: impl Fn(f64) -> f64,
+        correlation: f64,
+    ) -> Result<(), NoiseError> {
+        self.leave(graph);
+        self.in_graph.push(graph.add_factor(self.factor.clone().scaled(share(correlation))?));
+        if let Some(sides) = &self.sides {
+            self.in_graph.push(graph.add_factor(sides.clone().scaled(share(SIDES_CORRELATION))?));
+        }
+        Ok(())
+    }
+
+    fn leave(&mut self, graph: &mut Graph) {
+        self.in_graph.drain(..).for_each(|factor| graph.remove_factor(factor));
+    }
 }
 
 impl Views {
@@ -34,28 +67,28 @@ impl Views {
         &mut self,
         graph: &mut Graph,
         map_from_object: &Pose,
-        (keyframe, factor): (KeyframeId, EllipsoidObservation),
+        mut view: View,
         settings: &SlamSettings,
     ) -> Result<Option<PoseId>, NoiseError> {
-        let eye = graph.pose(keyframe.pose).translation.vector.into();
+        let eye = graph.pose(view.keyframe.pose).translation.vector.into();
         let eye = map_from_object.inverse_transform_point(&eye);
         let bearing = eye.y.atan2(eye.x) / settings.similar_views_deg.to_radians();
         let sector = self.sectors.entry(bearing.round() as i64).or_default();
-        let share = |count: usize| {
-            let expected = count.next_power_of_two() as f64;
-            1.0 / (1.0 + (expected - 1.0) * settings.similar_views_correlation)
+        let correlation = settings.similar_views_correlation;
+        let share = |count: usize, correlation: f64| {
+            1.0 / (1.0 + (count.next_power_of_two() as f64 - 1.0) * correlation)
         };
-        let forgotten = least_needed(sector).map(|at| sector.remove(at));
-        forgotten.iter().for_each(|view| graph.remove_factor(view.in_graph));
-        let now = share(sector.len() + 1);
-        if now < share(sector.len().max(1)) {
+        let mut forgotten = least_needed(sector).map(|at| sector.remove(at));
+        forgotten.iter_mut().for_each(|view| view.leave(graph));
+        let count = sector.len() + 1;
+        let now = |correlation: f64| share(count, correlation);
+        if count.next_power_of_two() > sector.len().max(1).next_power_of_two() {
             for view in sector.iter_mut() {
-                graph.remove_factor(view.in_graph);
-                view.in_graph = graph.add_factor(view.factor.clone().scaled(now)?);
+                view.enter(graph, now, correlation)?;
             }
         }
-        let in_graph = graph.add_factor(factor.clone().scaled(now)?);
-        sector.push(View { keyframe, factor, in_graph });
+        view.enter(graph, now, correlation)?;
+        sector.push(view);
         Ok(forgotten.map(|view| view.keyframe.pose))
     }
 
@@ -66,7 +99,7 @@ impl Views {
 
     /// Takes some out, with their factors.
     pub(super) fn take(&mut self, graph: &mut Graph, views: &[View]) {
-        views.iter().for_each(|view| graph.remove_factor(view.in_graph));
+        views.iter().for_each(|view| view.clone().leave(graph));
         for sector in self.sectors.values_mut() {
             sector.retain(|view| views.iter().all(|taken| taken.in_graph != view.in_graph));
         }
@@ -81,8 +114,9 @@ impl Views {
         settings: &SlamSettings,
     ) -> Result<Vec<PoseId>, NoiseError> {
         let mut forgotten = Vec::new();
-        for View { keyframe, factor, .. } in views {
-            let view = (keyframe, factor.of(variable));
+        for View { keyframe, factor, sides, .. } in views {
+            let sides = sides.map(|sides| sides.of(variable));
+            let view = View::new(keyframe, factor.of(variable), sides);
             forgotten.extend(self.add(graph, map_from_object, view, settings)?);
         }
         Ok(forgotten)
@@ -101,5 +135,7 @@ fn least_needed(views: &[View]) -> Option<usize> {
     least.filter(|_| views.len() == MAX_SIMILAR)
 }
 
+/// Errors of the sides of boxes in similar views: detectors draw them anew each time.
+const SIDES_CORRELATION: f64 = 0.2;
 /// With a correlation of a half, that many views are worth 1.9 independent ones, and all that could follow 2.
 const MAX_SIMILAR: usize = 16;

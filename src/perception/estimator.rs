@@ -103,7 +103,9 @@ fn measured_or_glimpsed(
 ) -> (Result<EllipsoidMeasurement, Refused>, Option<Glimpse>) {
     let is_vague = estimate.as_ref().map_or(true, |estimate| estimate.is_vague);
     let wanted = settings.glimpses && is_vague;
-    let glimpse = wanted.then(|| glimpse(frame, detection, &settings.classes)).flatten();
+    let glimpse = wanted
+        .then(|| glimpse(frame, detection, &settings.classes, settings.segmentation.max_range_m))
+        .flatten();
     let measured = match estimate {
         Ok(_) if glimpse.is_some() => Err(Refused::TooLittleSeen { known: 0 }),
         estimate => estimate.map(|estimate| estimate.measurement),

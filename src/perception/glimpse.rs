@@ -3,7 +3,7 @@
 
 use super::{Classes, Detection, Frame};
 use crate::geometry::{Camera, Ellipsoid, Pose, Rect};
-use nalgebra::{Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
 /// An object of which one frame shows hardly more than the direction. From several places, such views tell where it is.
 #[derive(Clone, Debug)]
@@ -13,17 +13,107 @@ pub struct Glimpse {
     /// Covariance of `[rotation, translation, log semi-axes]`, a right perturbation in the object's frame: long towards the
     /// camera, and the farther the larger.
     pub covariance: SMatrix<f64, 9, 9>,
+    /// The same without what the sides of the box say, if there are any to use: only the range is known then, and only where
+    /// depth readings in the box tell it.
+    pub depth_covariance: SMatrix<f64, 9, 9>,
+    /// What is known of its size without looking at it.
+    pub usual: UsualSize,
+    /// How far the object may reach out of the left, upper, right and lower side of the box (px): zero, but where something
+    /// nearer is beside the box, which hides the object's own end. Nothing where the image cuts it, and of what is not out of
+    /// the depth camera's reach.
+    pub hidden_px: [Option<f64>; 4],
+}
+
+impl Glimpse {
+    /// Of what is within the depth camera's reach and could not be measured, something else is in the box or hides a part
+    /// of it: its sides count for no more than where the object is.
+    fn by_itself(self) -> Self {
+        Self { depth_covariance: self.covariance, hidden_px: [None; 4], ..self }
+    }
+}
+
+/// How large an object is, going by its class.
+#[derive(Clone, Copy, Debug)]
+pub struct UsualSize {
+    /// Along the axes of a glimpse: away from the camera, across, and up (m).
+    pub semi_axes: Vector3<f64>,
+    /// Covariance of their logarithms.
+    pub covariance: Matrix3<f64>,
 }
 
 /// Where an object of the box's class is, going by how large it looks and by the depth in the middle of its box. What the
 /// image cuts off follows from the usual proportions of its class; nothing where more than a half or more than one side of
-/// it is cut off, and for classes without a usual size: what hides a part of them is taken for them too easily.
-pub fn glimpse(frame: &Frame<'_>, detection: &Detection, classes: &Classes) -> Option<Glimpse> {
-    let prior = classes.prior(detection.label());
-    let size_m = prior.size_m?;
-    let seen = Apparent::new(frame, &detection.rect, size_m)?;
-    let (range_m, sigma_m) = seen.range_m(frame, &detection.rect, size_m);
-    Some(seen.glimpse(frame, range_m, sigma_m, size_m))
+/// it is cut off.
+///
+/// Something of a class without a usual size is out of the depth camera's reach of `max_range_m` where nothing in the middle
+/// of the box is within it. Otherwise there is nothing: what hides a part of such an object is taken for it too easily.
+pub fn glimpse(
+    frame: &Frame<'_>,
+    detection: &Detection,
+    classes: &Classes,
+    max_range_m: f64,
+) -> Option<Glimpse> {
+    let rect = &detection.rect;
+    match classes.prior(detection.label()).size_m {
+        Some(size_m) => {
+            let seen = Apparent::new(frame, rect, &completed(rect, frame.camera(), size_m)?);
+            let range = seen.range(frame, rect, size_m);
+            let sigmas = [SIZE_SIGMA, PROPORTION_SIGMA];
+            let glimpse = seen.glimpse(frame, rect, (range, size_m, sigmas));
+            let ranges = readings(frame, rect);
+            let within = ranges.iter().filter(|range_m| **range_m <= max_range_m).count();
+            let is_far = range.at_m > max_range_m;
+            let is_beyond = within == 0 || is_far && MOSTLY * within < GRID * GRID;
+            Some(if is_beyond { glimpse } else { glimpse.by_itself() })
+        }
+        None if readings(frame, rect).iter().all(|range_m| *range_m > max_range_m) => {
+            let seen = Apparent::new(frame, rect, &uncompleted(rect, frame.camera())?);
+            let range = match readings_m(frame, rect) {
+                Some(at_m) => Range { at_m, sigma_m: READING_SIGMA * at_m, is_read: true },
+                None => {
+                    let at_m = BEYOND_REACH * max_range_m;
+                    Range { at_m, sigma_m: BEYOND_REACH_SIGMA * at_m, is_read: false }
+                }
+            };
+            let across = seen.width * range.at_m / SEEN_WIDTH;
+            let middle = (across * seen.height * range.at_m).sqrt();
+            let size_m = [across.max(middle), across.min(middle), middle];
+            Some(seen.glimpse(frame, rect, (range, size_m, UNKNOWN_SIGMAS)))
+        }
+        None => None,
+    }
+}
+
+impl UsualSize {
+    /// Extents (m), and standard deviations of the logarithms of the size and, besides, of each extent.
+    fn new(extents_m: [f64; 3], [size, proportion]: [f64; 2]) -> Self {
+        let own = Vector3::new(DEPTH_SIGMA.max(proportion), proportion, proportion);
+        let own = Matrix3::from_diagonal(&own.map(|sigma| sigma * sigma));
+        let covariance = Matrix3::repeat(size * size) + own;
+        Self { semi_axes: 0.5 * Vector3::from(extents_m), covariance }
+    }
+}
+
+/// How far off the object's middle is.
+#[derive(Clone, Copy)]
+struct Range {
+    at_m: f64,
+    sigma_m: f64,
+    /// Whether depth readings tell it.
+    is_read: bool,
+}
+
+impl Range {
+    /// What depth says and nothing else, with a unit vector away from the camera in the object's frame.
+    fn depth_covariance(&self, away: &Vector3<f64>) -> SMatrix<f64, 9, 9> {
+        let mut covariance = SMatrix::from_diagonal(&SVector::from(UNKNOWN.map(|s| s * s)));
+        if self.is_read {
+            let known = UNKNOWN[3].powi(2) - self.sigma_m.powi(2);
+            let mut place = covariance.fixed_view_mut::<3, 3>(3, 3);
+            place -= known * away * away.transpose();
+        }
+        covariance
+    }
 }
 
 /// A box as angles.
@@ -38,10 +128,10 @@ struct Apparent {
 }
 
 impl Apparent {
-    fn new(frame: &Frame<'_>, rect: &Rect, size_m: [f64; 3]) -> Option<Self> {
+    /// `whole` is the box as it would be in a larger image.
+    fn new(frame: &Frame<'_>, rect: &Rect, whole: &Rect) -> Self {
         let camera = frame.camera();
         let (fx, fy) = camera.focal();
-        let whole = completed(rect, camera, size_m)?;
         let (u, v) = whole.center();
         let ray = camera.ray(u, v);
         let (width, height) = (
@@ -52,12 +142,12 @@ impl Apparent {
         let sigma = |side: usize, focal: f64, extent: f64| {
             (SIDE_SIGMA_PX / focal).hypot(SIDE_SIGMA_RATIO * extent).hypot(0.5 * guessed[side])
         };
-        Some(Self {
+        Self {
             direction: frame.level_from_camera() * ray / ray.norm(),
             width,
             height,
             sigma: [sigma(0, fx, width), sigma(1, fy, height)],
-        })
+        }
     }
 
     /// Sine and cosine of how far the camera looks down at it.
@@ -66,8 +156,8 @@ impl Apparent {
         (sine.abs(), (1.0 - sine * sine).sqrt())
     }
 
-    /// The range of the object's middle and its standard deviation (m).
-    fn range_m(&self, frame: &Frame<'_>, rect: &Rect, [long, short, high]: [f64; 3]) -> (f64, f64) {
+    /// The range of the middle of an object of this size.
+    fn range(&self, frame: &Frame<'_>, rect: &Rect, [long, short, high]: [f64; 3]) -> Range {
         let (sine, cosine) = self.descent();
         let middle = (long * short).sqrt();
         // Of what is partly hidden, less shows: the side that asks for the shorter range is the more credible.
@@ -79,23 +169,24 @@ impl Apparent {
         // The depth in the box is the object's, unless it would have an absurd size there.
         let near = readings_m(frame, rect).map(|near| near + 0.5 * middle);
         match near.filter(|near| (near / range).ln().abs() < 2.0 * SIZE_SIGMA) {
-            Some(near) => (near, READING_SIGMA * near),
-            None => (range, sigma),
+            Some(near) => Range { at_m: near, sigma_m: READING_SIGMA * near, is_read: true },
+            None => Range { at_m: range, sigma_m: sigma, is_read: false },
         }
     }
 
     fn glimpse(
         &self,
         frame: &Frame<'_>,
-        range_m: f64,
-        range_sigma_m: f64,
-        usual: [f64; 3],
+        rect: &Rect,
+        (range, usual, usual_sigmas): (Range, [f64; 3], [f64; 2]),
     ) -> Glimpse {
+        let Range { at_m: range_m, sigma_m: range_sigma_m, .. } = range;
         let (sine, cosine) = self.descent();
         let (width, height) = (self.width * range_m, self.height * range_m);
         let middle = (usual[0] * usual[1]).sqrt();
         let across = (width / SEEN_WIDTH).clamp(0.5 * usual[1], 1.5 * usual[0]);
-        let along = if across > middle { usual[1] } else { usual[0] };
+        let (along, usually_across) =
+            if across > middle { (usual[1], usual[0]) } else { (usual[0], usual[1]) };
         let up = ((height - along * sine) / cosine.max(0.1)).clamp(0.5 * usual[2], 2.0 * usual[2]);
         let semi_axes = 0.5 * Vector3::new(along, across, up);
         let yaw = self.direction.y.atan2(self.direction.x);
@@ -129,22 +220,41 @@ impl Apparent {
         Glimpse {
             ellipsoid: in_level.transformed(&frame.level_from_camera().inverse()),
             covariance,
+            depth_covariance: range.depth_covariance(&away),
+            usual: UsualSize::new([along, usually_across, usual[2]], usual_sigmas),
+            hidden_px: hidden_px(frame, rect, range_m),
         }
     }
 }
 
+/// How far the object may reach out of each side of a box (px).
+fn hidden_px(frame: &Frame<'_>, rect: &Rect, range_m: f64) -> [Option<f64>; 4] {
+    let cut = cut_sides(rect, frame.camera(), PERHAPS_CUT_PX);
+    let (cx, cy) = rect.center();
+    let half = [0.5 * rect.width(), 0.5 * rect.height()];
+    std::array::from_fn(|side| {
+        let along = side % 2;
+        let sign = if side < 2 { -1.0 } else { 1.0 };
+        let is_nearer = |out: f64, across: f64| {
+            let (du, dv) = if along == 0 { (out, across) } else { (across, out) };
+            let seen = frame.point_in_level((cx + du).round() as i32, (cy + dv).round() as i32);
+            seen.is_some_and(|p| p.coords.norm() < NEARER * range_m)
+        };
+        let nearer = (0..GRID).filter(|at| {
+            let across = half[1 - along] * (2.0 * (*at as f64 + 0.5) / GRID as f64 - 1.0);
+            BESIDE_PX.iter().any(|beside| is_nearer(sign * (half[along] + beside), across))
+        });
+        let nearer = nearer.count();
+        // Of what the left or right border cuts, the image shows a part of the top and the bottom.
+        let is_hidden = HIDING * nearer > GRID || along == 1 && (cut[0] || cut[2]);
+        let hidden = if is_hidden { 2.0 * half[0].max(half[1]) } else { 0.0 };
+        (!cut[side]).then_some(hidden)
+    })
+}
+
 /// A lower quartile of the ranges in the middle of a box (m).
 fn readings_m(frame: &Frame<'_>, rect: &Rect) -> Option<f64> {
-    let cell = |low: f64, extent: f64, at: usize| {
-        low + extent * (0.25 + 0.5 * (at as f64 + 0.5) / GRID as f64)
-    };
-    let mut ranges: Vec<f64> = (0..GRID * GRID)
-        .filter_map(|at| {
-            let u = cell(rect.x_min, rect.width(), at % GRID).round() as i32;
-            let v = cell(rect.y_min, rect.height(), at / GRID).round() as i32;
-            frame.point_in_level(u, v).map(|p| nalgebra::distance(&p, &Point3::origin()))
-        })
-        .collect();
+    let mut ranges = readings(frame, rect);
     if 2 * ranges.len() < GRID * GRID {
         return None;
     }
@@ -152,11 +262,39 @@ fn readings_m(frame: &Frame<'_>, rect: &Rect) -> Option<f64> {
     Some(ranges[ranges.len() / 4])
 }
 
-/// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
-fn completed(rect: &Rect, camera: &Camera, size_m: [f64; 3]) -> Option<Rect> {
+/// Ranges in the middle of a box (m).
+fn readings(frame: &Frame<'_>, rect: &Rect) -> Vec<f64> {
+    let cell = |low: f64, extent: f64, at: usize| {
+        low + extent * (0.25 + 0.5 * (at as f64 + 0.5) / GRID as f64)
+    };
+    (0..GRID * GRID)
+        .filter_map(|at| {
+            let u = cell(rect.x_min, rect.width(), at % GRID).round() as i32;
+            let v = cell(rect.y_min, rect.height(), at / GRID).round() as i32;
+            frame.point_in_level(u, v).map(|p| nalgebra::distance(&p, &Point3::origin()))
+        })
+        .collect()
+}
+
+/// Which of the left, upper, right and lower side of a box the image cuts.
+fn cut_sides(rect: &Rect, camera: &Camera, border_px: f64) -> [bool; 4] {
     let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
     let distances = [rect.x_min, rect.y_min, right - rect.x_max, bottom - rect.y_max];
-    let cut = distances.map(|distance| distance <= BORDER_PX);
+    distances.map(|distance| distance <= border_px)
+}
+
+/// A box of which nobody knows how it would be in a larger image: nothing where the image cuts the left or the right side or
+/// both others, or where it is small, as one does not know how much of the object it shows.
+fn uncompleted(rect: &Rect, camera: &Camera) -> Option<Rect> {
+    let [left, upper, right, lower] = cut_sides(rect, camera, BORDER_PX);
+    let is_small = rect.width().min(rect.height()) < MIN_EXTENT_PX;
+    let is_unclear = is_small || left || right || (upper && lower);
+    (!is_unclear).then_some(*rect)
+}
+
+/// A box as it would be in a larger image: where this one cuts off one side of it, it has the proportions of its class.
+fn completed(rect: &Rect, camera: &Camera, size_m: [f64; 3]) -> Option<Rect> {
+    let cut = cut_sides(rect, camera, BORDER_PX);
     let Rect { x_min, y_min, x_max, y_max } = *rect;
     let tall = |[long, short, high]: [f64; 3]| high / (SEEN_WIDTH * (long * short).sqrt());
     let by_width = || tall(size_m) * rect.width();
@@ -187,6 +325,18 @@ const SIDE_SIGMA_RATIO: f64 = 0.06;
 const SEEN_WIDTH: f64 = 1.15;
 /// Standard deviation of the logarithm of how large objects of a class are.
 const SIZE_SIGMA: f64 = 0.4;
+/// Standard deviation of the logarithms of its extents besides.
+const PROPORTION_SIGMA: f64 = 0.25;
+/// Both for a class without a usual size.
+const UNKNOWN_SIGMAS: [f64; 2] = [0.6, 0.5];
+/// Where something out of the depth camera's reach is, as a share of that reach, and its standard deviation as a share of that.
+const BEYOND_REACH: f64 = 1.4;
+const BEYOND_REACH_SIGMA: f64 = 0.35;
+/// Depth is looked at so far beside a box (px): what is nearer than this share of the object's range
+const BESIDE_PX: [f64; 3] = [3.0, 7.0, 11.0];
+const NEARER: f64 = 0.8;
+/// along one in so many of a side hides where the object ends.
+const HIDING: usize = 3;
 /// Standard deviation of the object's range where depth readings tell it, as a share of it.
 const READING_SIGMA: f64 = 0.15;
 /// Standard deviations of the logarithms of extents: away from the camera, where nothing was seen, across, and upwards.
@@ -195,7 +345,15 @@ const WIDTH_SIGMA: f64 = 0.25;
 const HEIGHT_SIGMA: f64 = 0.15;
 /// A heading that is not known at all (rad).
 const HEADING_SIGMA_RAD: f64 = 1.0;
+/// What nothing is known of (rad, m, 1).
+const UNKNOWN: [f64; 9] = [10.0, 10.0, 10.0, 100.0, 100.0, 100.0, 10.0, 10.0, 10.0];
 const TILT_SIGMA_RAD: f64 = 0.02;
+/// Of a smaller box nobody knows how large it is.
+const MIN_EXTENT_PX: f64 = 8.0;
 const BORDER_PX: f64 = 5.0;
+/// A side as near to the border of the image as this may be cut: detectors draw sides of cut objects a little inside.
+const PERHAPS_CUT_PX: f64 = 12.0;
+/// What should be out of reach by its size is where less than one in so many readings is within it.
+const MOSTLY: usize = 4;
 /// Depth readings are looked at on a grid of so many by so many.
 const GRID: usize = 7;

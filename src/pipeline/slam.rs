@@ -8,7 +8,7 @@ use crate::{
     geometry::{Camera, Pose, Rect},
     graph::BoxSide,
     mapping::{
-        Continuation, MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation,
+        Continuation, Hints, MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation,
         ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View,
     },
     perception::{Detection, EllipsoidMeasurement, Glimpse, Refused, Stage, StageObserver},
@@ -220,7 +220,7 @@ impl ObjectSlam {
                 track: detection.track,
                 outline: class.outline,
                 rect: Some(detection.rect),
-                sides: observed_box(detection, found, view, &self.settings.slam),
+                sides: observed_box(detection, found, glimpse.as_ref(), view, &self.settings.slam),
                 measured,
             }
         });
@@ -267,7 +267,7 @@ fn in_base(
         covariance: measurement.covariance,
         probability: measurement.probability.combined(),
         support: measurement.support.map(|plane| plane.transformed(base_from_camera)),
-        is_glimpse: false,
+        glimpse: None,
     };
     match usual_m {
         Some([long_m, short_m, _]) => measured.doubting_its_size(long_m.max(short_m)),
@@ -281,7 +281,7 @@ fn glimpsed(glimpse: &Glimpse, base_from_camera: &Pose) -> Measured {
         covariance: glimpse.covariance,
         probability: 0.0,
         support: None,
-        is_glimpse: true,
+        glimpse: Some(Hints { depth_covariance: glimpse.depth_covariance, usual: glimpse.usual }),
     }
 }
 
@@ -290,6 +290,7 @@ fn glimpsed(glimpse: &Glimpse, base_from_camera: &Pose) -> Measured {
 fn observed_box(
     detection: &Detection,
     measured: Option<&EllipsoidMeasurement>,
+    glimpse: Option<&Glimpse>,
     (camera, base_from_camera): (&Camera, &Pose),
     settings: &SlamSettings,
 ) -> ObservedBox {
@@ -299,18 +300,25 @@ fn observed_box(
     let (u, v) = detection.rect.center();
     let ((fx, fy), border) = (camera.focal(), settings.box_border_px);
     let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
-    let sigma = |extent: f64| settings.box_sigma_px.hypot(settings.box_sigma_ratio * extent);
-    let (sigma_x, sigma_y) =
-        (sigma(detection.rect.width()) / fx, sigma(detection.rect.height()) / fy);
     let inside = |at: f64, end: f64| at > border && at < end - border;
-    let side = |is_used: bool, at: f64, sigma: f64| is_used.then_some(BoxSide { at, sigma });
-    ObservedBox {
-        base_from_camera: *base_from_camera,
-        sides: [
-            side(used[0] && inside(x_min, right), camera.ray(x_min, v).x, sigma_x),
-            side(used[1] && inside(y_min, bottom), camera.ray(u, y_min).y, sigma_y),
-            side(used[2] && inside(x_max, right), camera.ray(x_max, v).x, sigma_x),
-            side(used[3] && inside(y_max, bottom), camera.ray(u, y_max).y, sigma_y),
-        ],
-    }
+    let extents = [detection.rect.width(), detection.rect.height()];
+    let usual =
+        |side: usize| settings.box_sigma_px.hypot(settings.box_sigma_ratio * extents[side % 2]);
+    let places = [
+        (camera.ray(x_min, v).x, inside(x_min, right), fx),
+        (camera.ray(u, y_min).y, inside(y_min, bottom), fy),
+        (camera.ray(x_max, v).x, inside(x_max, right), fx),
+        (camera.ray(u, y_max).y, inside(y_max, bottom), fy),
+    ];
+    let sides = std::array::from_fn(|side| {
+        let (at, is_inside, focal) = places[side];
+        let sigma_px = match glimpse {
+            Some(glimpse) if !settings.boxes => {
+                glimpse.hidden_px[side].map(|px| px.hypot(usual(side)))
+            }
+            _ => used[side].then(|| usual(side)),
+        };
+        sigma_px.filter(|_| is_inside).map(|px| BoxSide { at, sigma: px / focal })
+    });
+    ObservedBox { base_from_camera: *base_from_camera, sides }
 }

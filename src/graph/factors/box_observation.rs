@@ -84,6 +84,16 @@ impl BoxObservation {
         Self { variables: [self.variables[0], ellipsoid.into()], ..self }
     }
 
+    /// The same with `scale` times the information.
+    ///
+    /// # Errors
+    /// When the scale is not a positive finite number.
+    pub fn scaled(mut self, scale: f64) -> Result<Self, NoiseError> {
+        let shrink = NoiseError::inverse_of_sigma(0, scale)?.sqrt();
+        self.sides.iter_mut().flatten().for_each(|side| side.sigma *= shrink);
+        Ok(self)
+    }
+
     /// The same with a robust kernel.
     pub fn with_kernel(self, kernel: Kernel) -> Self {
         Self { kernel, ..self }

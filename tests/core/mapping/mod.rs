@@ -42,7 +42,7 @@ pub(crate) fn observation(
             covariance,
             probability: 0.7,
             support: None,
-            is_glimpse: false,
+            glimpse: None,
         }),
     }
 }

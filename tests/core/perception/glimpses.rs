@@ -5,11 +5,16 @@ use crate::scene::{Scene, View, camera, detection, looking, standing};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Rect},
     perception::{
-        DepthNoise, Detection, Frame, FrameEstimate, PerceptionSettings, Rays, Refused,
-        estimate_frame,
+        DepthImage, DepthNoise, Detection, Frame, FrameEstimate, Glimpse, PerceptionSettings, Rays,
+        Refused, estimate_frame,
     },
 };
 use nalgebra::Vector3;
+
+fn without_readings() -> DepthImage {
+    let (width, height) = (camera().width(), camera().height());
+    DepthImage::new(width, height, vec![0.0; (width * height) as usize]).unwrap()
+}
 
 fn look(view: &View, label: &str, thing: usize) -> FrameEstimate {
     let settings = PerceptionSettings::default();
@@ -87,6 +92,81 @@ fn what_the_image_cuts_off_has_the_proportions_of_its_class() {
     assert!(bearing(&cut).abs() < 0.009, "{}", bearing(&cut));
     assert!(cut_glimpse.covariance[(4, 4)] > 1.5 * whole_glimpse.covariance[(4, 4)]);
     assert!(at_border(-0.02).is_none(), "more than a half is cut off");
+}
+
+#[test]
+fn without_depth_the_sides_of_the_box_are_all_there_is() {
+    let (scene, thing) = far_refrigerator();
+    let mut view = scene.seen_from(&looking([0.0, 0.0, 1.0], 0.1, 5.0));
+    let of = |view: &View, label: &str| look(view, label, thing).glimpses[0].clone();
+    let range_variance = |glimpse: &Glimpse| {
+        let in_camera = glimpse.ellipsoid.center().coords;
+        let away = glimpse.ellipsoid.pose.rotation.inverse() * (in_camera / in_camera.norm());
+        let place = glimpse.depth_covariance.fixed_view::<3, 3>(3, 3).into_owned();
+        let aside = away.cross(&Vector3::z());
+        let aside = aside / aside.norm();
+        [(away.transpose() * place * away)[0], (aside.transpose() * place * aside)[0]]
+    };
+    // Depth at 8 m is too coarse for a measurement, and still says the range.
+    let [away, aside] = range_variance(&of(&view, "refrigerator").unwrap());
+    assert!(away.sqrt() < 1.5 && aside.sqrt() > 50.0, "{away} {aside}");
+    view.depth = without_readings();
+    let glimpse = of(&view, "refrigerator").unwrap();
+    let [away, aside] = range_variance(&glimpse);
+    assert!(away.sqrt() > 50.0 && aside.sqrt() > 50.0, "{away} {aside}");
+    assert_eq!(glimpse.hidden_px, [Some(0.0); 4]);
+    // Its class says how large it is, more or less.
+    assert!((glimpse.usual.semi_axes.z - 0.85).abs() < 1e-9);
+    let size_sigma = glimpse.usual.covariance[(2, 2)].sqrt();
+    assert!((0.3..0.6).contains(&size_sigma), "{size_sigma}");
+}
+
+#[test]
+fn what_is_nearer_beside_a_box_hides_where_the_object_ends() {
+    let (mut scene, thing) = far_refrigerator();
+    let pose = looking([0.0, 0.0, 1.0], 0.1, 5.0);
+    let whole = scene.seen_from(&pose).box_around(thing);
+    // A couch half way to it hides its lower half.
+    scene.add(standing(0.245, [4.0, 1.0, 0.45], [0.4, 1.5, 0.45]));
+    let view = scene.seen_from(&pose);
+    let upper = Rect::new(whole.x_min, whole.y_min, whole.x_max, whole.center().1).unwrap();
+    let seen = estimate_with(
+        &view,
+        "refrigerator",
+        upper,
+        &view.up_in_camera(),
+        &PerceptionSettings::default(),
+    );
+    let hidden = seen.glimpses[0].as_ref().unwrap().hidden_px;
+    assert_eq!(hidden[..3], [Some(0.0); 3]);
+    assert!(hidden[3].unwrap() >= upper.height(), "{hidden:?}");
+}
+
+#[test]
+fn something_of_no_usual_size_is_out_of_reach_where_nothing_is_within() {
+    let (scene, thing) = far_refrigerator();
+    let mut view = scene.seen_from(&looking([0.0, 0.0, 1.0], 0.1, 5.0));
+    let read = look(&view, "cabinet", thing).glimpses[0].clone().unwrap();
+    assert!((read.ellipsoid.center().coords.norm() - 8.2).abs() < 0.5);
+    view.depth = without_readings();
+    let glimpse = look(&view, "cabinet", thing).glimpses[0].clone().unwrap();
+    let range = glimpse.ellipsoid.center().coords.norm();
+    let away = glimpse.covariance[(3, 3)].sqrt();
+    assert!(range > 5.0 && away > 2.0, "{range} m, {away} m");
+    assert!(glimpse.usual.covariance[(2, 2)].sqrt() > 0.7);
+    // Of what the border cuts nobody knows how much is left, where no proportions are known.
+    let cut = Rect::new(0.0, 60.0, 40.0, 200.0).unwrap();
+    let settings = PerceptionSettings::default();
+    let seen = |label| estimate_with(&view, label, cut, &view.up_in_camera(), &settings);
+    assert!(seen("cabinet").glimpses[0].is_none() && seen("refrigerator").glimpses[0].is_some());
+    // Within reach, what is in the box may be what hides it.
+    let mut near = Scene::with_floor();
+    let wall = near.add(standing(0.0, [3.0, 0.0, 1.0], [0.05, 3.0, 1.0]));
+    let view = near.seen_from(&looking([0.0, 0.0, 1.0], 0.0, 5.0));
+    let part = view.box_around(wall).center();
+    let part = Rect::new(part.0 - 40.0, part.1 - 40.0, part.0 + 40.0, part.1 + 40.0).unwrap();
+    let seen = estimate_with(&view, "cabinet", part, &view.up_in_camera(), &settings);
+    assert!(seen.objects[0].is_err() && seen.glimpses[0].is_none());
 }
 
 #[test]
