@@ -86,7 +86,11 @@ impl Evidence<'_> {
                 Some(measured) if !is_doubtful => {
                     self.fits((observation, measured), &index, &prospects, &mut known)
                 }
-                _ => Fits::default(),
+                _ => Fits {
+                    in_image: self.in_image(observation, &prospects),
+                    is_doubtful: *is_doubtful,
+                    ..Fits::default()
+                },
             })
             .collect();
         let costs: Costs = fits.iter().map(|fits| fits.costs.clone()).collect();
@@ -125,11 +129,15 @@ impl Evidence<'_> {
         // Another box overlaps this object as well as its own box, and better than the object that it was given.
         let claims = |(fits, own): (&Fits, &Option<usize>)| {
             let overlap = |object: usize| fits.in_image.get(&object).copied().unwrap_or(0.0);
-            own.is_some_and(|own| {
-                own != object
-                    && overlap(object) > overlap(own) + BETTER_OVERLAP
-                    && overlap(object) > share - BETTER_OVERLAP
-            })
+            match *own {
+                Some(own) => {
+                    own != object
+                        && overlap(object) > overlap(own) + BETTER_OVERLAP
+                        && overlap(object) > share - BETTER_OVERLAP
+                }
+                // Its measurement may be that of the same thing.
+                None => fits.is_doubtful && overlap(object) > share + BETTER_OVERLAP,
+            }
         };
         if fits.iter().zip(assigned).any(claims) {
             return Decision::Wait;
@@ -316,6 +324,8 @@ struct Fits {
     explaining: BTreeMap<usize, f64>,
     /// How much its box overlaps those of objects that may be called so.
     in_image: BTreeMap<usize, f64>,
+    /// Whether another box of the image shows what was measured in it.
+    is_doubtful: bool,
 }
 
 /// Bodies of one thing in two frames that follow each other are never farther apart (m): what the gate is asked about.

@@ -3,9 +3,11 @@
 use super::{
     Association, MapObject, ObjectId, ObjectMap, ObjectState, Sighting,
     association::{Associated, Decision},
+    existence::Miss,
     gate::overlap,
 };
-use crate::time::Stamp;
+use crate::{geometry::Ellipsoid, time::Stamp};
+use nalgebra::Point3;
 use std::collections::BTreeMap;
 
 /// What happened to an object.
@@ -65,7 +67,8 @@ impl ObjectMap {
         for at in &associated.contradicted {
             self.objects[*at].company.contradicted += 1;
         }
-        self.weigh(associated, &seen, is_new_view);
+        let map_from_base = self.map_from_odom() * sighting.odom_from_base;
+        self.weigh(associated, &seen, is_new_view, map_from_base.translation.vector.into());
         let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
         let mut changes = Vec::new();
         self.settle(sighting.stamp, &mut changes);
@@ -89,14 +92,23 @@ impl ObjectMap {
     }
 
     /// Which objects were found, and which should have been.
-    fn weigh(&mut self, associated: &Associated, seen: &[usize], is_new_view: bool) {
+    fn weigh(
+        &mut self,
+        associated: &Associated,
+        seen: &[usize],
+        is_new_view: bool,
+        eye: Point3<f64>,
+    ) {
         let is_clear = associated.decisions.iter().all(|d| *d != Decision::Wait);
+        let found: Vec<Ellipsoid> = seen.iter().map(|at| *self.objects[*at].estimate()).collect();
         for (at, prospect) in associated.prospects.iter().filter(|(_, p)| p.is_visible()) {
             let existence = &mut self.objects[*at].existence;
             if seen.contains(at) {
                 existence.found(prospect);
             } else if is_clear || !associated.shown.contains(at) {
-                existence.missed(prospect, is_new_view, &self.settings.life);
+                let of_others = prospect.share_of(&found);
+                let miss = Miss { prospect, of_others, is_new_view, eye };
+                existence.missed(&miss, &self.settings.life);
             }
         }
     }
