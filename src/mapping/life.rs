@@ -62,7 +62,9 @@ impl ObjectMap {
         seen.dedup();
         self.count_neighbours(&seen);
         for at in &seen {
-            self.objects[*at].company.see(associated.crowded.contains(at));
+            let company = &mut self.objects[*at].company;
+            company.see(associated.crowded.contains(at));
+            company.fitting += u32::from(!associated.contradicted.contains(at));
         }
         for at in &associated.contradicted {
             self.objects[*at].company.contradicted += 1;

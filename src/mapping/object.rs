@@ -204,9 +204,9 @@ impl MapObject {
         self.existence.state != ObjectState::Tentative
     }
 
-    /// Whether more boxes in its place speak against it than for it, before it counts.
+    /// Whether more boxes in its place speak against it than for it.
     pub(super) fn is_discredited(&self) -> bool {
-        !self.counts() && self.company.contradicted > self.observations
+        self.company.contradicted > self.company.fitting
     }
 
     pub(super) fn belief(&self) -> &BTreeMap<String, f64> {
@@ -309,6 +309,19 @@ impl MapObject {
             self.ties.push(Tie::new(graph, factor, None));
         }
         Ok(forgotten)
+    }
+
+    /// Gives up all measurements, since this one in the map shows that they were of something else. Returns the poses that
+    /// they were made from.
+    pub(super) fn begin_anew(&mut self, graph: &mut Graph, measured: &Ellipsoid) -> Vec<PoseId> {
+        let views: Vec<View> = self.views.all().cloned().collect();
+        self.views.take(graph, &views);
+        graph.set_ellipsoid(self.variable, *measured);
+        self.centers.clear();
+        self.company.acquit();
+        let poses: Vec<PoseId> = views.iter().map(|view| view.keyframe.pose).collect();
+        self.forget_ties(graph, &poses);
+        poses
     }
 
     fn tie_measured(
