@@ -393,4 +393,4 @@ const SAME_BOX: f64 = 0.6;
 /// The box says that it is another object where it overlaps that one's by so much more.
 const BETTER_OVERLAP: f64 = 0.1;
 /// What was measured in a box explains it so much better than the object that it was given does, or less.
-const POORLY: f64 = 0.5;
+const POORLY: f64 = 0.65;
