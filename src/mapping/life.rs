@@ -209,7 +209,9 @@ impl ObjectMap {
         let labels = &self.settings.labels;
         let (of_smaller, of_both) = overlap(a.estimate(), b.estimate());
         let is_alike = labels.is_alike(labels.cost_of_same(a.belief(), b.belief()));
-        of_both > SAME_SPACE || is_alike && of_smaller > SAME_PLACE
+        let is_vague = beside > 0 || a.is_glimpsed() || b.is_glimpsed();
+        let needed = if is_vague { SAME_PLACE } else { NEVER_APART };
+        of_both > SAME_SPACE || is_alike && of_smaller > needed
     }
 
     /// Gives what has come to count the identity of what has left its place, if it is like it and like nothing else.
@@ -250,6 +252,8 @@ const NEIGHBOUR_M: f64 = 2.0;
 const MAX_BESIDE: f64 = 0.1;
 /// Overlap, as a share of the smaller, of things that may be the same.
 const SAME_PLACE: f64 = 0.4;
+/// The same for things that were never seen side by side.
+const NEVER_APART: f64 = 0.2;
 /// Overlap, as a share of both together, of things that are the same.
 const SAME_SPACE: f64 = 0.45;
 /// Glimpses that are needed besides: they are much surer of a place together than one by one.
