@@ -166,7 +166,7 @@ impl Evidence<'_> {
         let Decision::Object(object) = decision else { return decision };
         let share = fits.in_image.get(&object).copied();
         let is_poor = share.is_some_and(|share| share < POORLY * own.unwrap_or(1.0));
-        if !is_poor || self.objects[object].is_glimpsed() {
+        if !is_poor {
             return decision;
         }
         associated.contradicted.push(object);

@@ -1,8 +1,8 @@
 //! Objects of which there are only boxes without depth, until one is measured.
 
-use super::{MapObject, views::View};
+use super::MapObject;
 use crate::{
-    geometry::{Ellipsoid, skew},
+    geometry::skew,
     graph::{Graph, PoseId},
 };
 use nalgebra::SMatrix;
@@ -30,19 +30,6 @@ impl MapObject {
         let place: SMatrix<f64, 3, 3> =
             by_both * joint.fixed_view::<15, 15>(0, 0) * by_both.transpose();
         self.placed = place.symmetric_eigenvalues().max().sqrt() < PLACED_SIGMA_M;
-    }
-
-    /// From the first measurement on, glimpses say nothing new. Returns the poses they were made from.
-    pub(super) fn forget_glimpses(
-        &mut self,
-        graph: &mut Graph,
-        measured: &Ellipsoid,
-    ) -> Vec<PoseId> {
-        self.glimpsed = false;
-        let glimpses: Vec<View> = self.views.all().cloned().collect();
-        self.views.take(graph, &glimpses);
-        graph.set_ellipsoid(self.variable, *measured);
-        glimpses.iter().map(|view| view.keyframe.pose).collect()
     }
 }
 

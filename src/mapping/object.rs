@@ -311,14 +311,15 @@ impl MapObject {
         Ok(forgotten)
     }
 
-    /// Gives up all measurements, since this one in the map shows that they were of something else. Returns the poses that
-    /// they were made from.
+    /// Forgets what was measured or glimpsed of it, and begins where this measurement in the map is. Returns the poses that
+    /// it was seen from.
     pub(super) fn begin_anew(&mut self, graph: &mut Graph, measured: &Ellipsoid) -> Vec<PoseId> {
+        self.glimpsed = false;
+        self.centers.clear();
+        self.company.acquit();
         let views: Vec<View> = self.views.all().cloned().collect();
         self.views.take(graph, &views);
         graph.set_ellipsoid(self.variable, *measured);
-        self.centers.clear();
-        self.company.acquit();
         let poses: Vec<PoseId> = views.iter().map(|view| view.keyframe.pose).collect();
         self.forget_ties(graph, &poses);
         poses
@@ -353,7 +354,7 @@ impl MapObject {
         if !measured.is_glimpse {
             let in_map = ellipsoid.transformed(&graph.pose(place.keyframe.pose));
             if self.glimpsed {
-                forgotten = self.forget_glimpses(graph, &in_map);
+                forgotten = self.begin_anew(graph, &in_map);
             }
             self.begin_anew_if_wrong(graph, &in_map);
         }
