@@ -209,8 +209,9 @@ impl ObjectMap {
         let labels = &self.settings.labels;
         let (of_smaller, of_both) = overlap(a.estimate(), b.estimate());
         let is_alike = labels.is_alike(labels.cost_of_same(a.belief(), b.belief()));
-        let is_vague = beside > 0 || a.is_glimpsed() || b.is_glimpsed();
-        let needed = if is_vague { SAME_PLACE } else { NEVER_APART };
+        // What does not count may have begun with a wrong measurement, and a glimpse is vague.
+        let is_sure = |object: &MapObject| object.counts() && !object.is_glimpsed();
+        let needed = if beside == 0 && is_sure(a) && is_sure(b) { NEVER_APART } else { SAME_PLACE };
         of_both > SAME_SPACE || is_alike && of_smaller > needed
     }
 
