@@ -30,6 +30,8 @@ pub enum Association {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Decision {
     Object(usize),
+    /// It is this one, which is elsewhere than was thought: what was measured of it before was something else.
+    Anew(usize),
     New,
     /// It may be several objects, or one that it does not fit: later views will tell.
     Wait,
@@ -78,7 +80,8 @@ impl Evidence<'_> {
     pub(super) fn associate(&self, observations: &[Observation]) -> Associated {
         let index = ObjectIndex::new(self.objects);
         let prospects = self.prospects(&index);
-        let doubtful = self.doubtful(observations);
+        let bodies = self.bodies(observations);
+        let doubtful = self.doubtful(observations, &bodies);
         // Neighbours have neighbours in common.
         let mut known = BTreeMap::new();
         let fits: Vec<Fits> = (observations.iter().zip(&doubtful))
@@ -86,9 +89,14 @@ impl Evidence<'_> {
                 Some(measured) if !is_doubtful => {
                     self.fits((observation, measured), &index, &prospects, &mut known)
                 }
-                _ => Fits::default(),
+                _ => Fits {
+                    in_image: self.in_image(observation, &prospects),
+                    is_doubtful: *is_doubtful,
+                    ..Fits::default()
+                },
             })
             .collect();
+        let own: Vec<Option<f64>> = bodies.iter().map(|body| body.as_ref().map(|b| b.1)).collect();
         let costs: Costs = fits.iter().map(|fits| fits.costs.clone()).collect();
         let assigned = assign(&costs, self.settings.gate.new_object_cost);
         let mut associated = Associated { prospects, ..Associated::default() };
@@ -97,8 +105,11 @@ impl Evidence<'_> {
             let decision = match assigned[at] {
                 _ if !is_usable => Decision::Wait,
                 Some(object) => self.clear((&costs, &fits), &assigned, (at, object)),
-                None => self.new_or_wait(&fits[at], &assigned, &mut associated),
+                None => {
+                    self.new_or_wait((&fits[at], own[at].is_some()), &assigned, &mut associated)
+                }
             };
+            let decision = self.anew((decision, own[at]), &fits[at], &mut associated);
             associated
                 .shown
                 .extend(fits[at].explaining.keys().filter(|_| decision == Decision::Wait));
@@ -125,11 +136,15 @@ impl Evidence<'_> {
         // Another box overlaps this object as well as its own box, and better than the object that it was given.
         let claims = |(fits, own): (&Fits, &Option<usize>)| {
             let overlap = |object: usize| fits.in_image.get(&object).copied().unwrap_or(0.0);
-            own.is_some_and(|own| {
-                own != object
-                    && overlap(object) > overlap(own) + BETTER_OVERLAP
-                    && overlap(object) > share - BETTER_OVERLAP
-            })
+            match *own {
+                Some(own) => {
+                    own != object
+                        && overlap(object) > overlap(own) + BETTER_OVERLAP
+                        && overlap(object) > share - BETTER_OVERLAP
+                }
+                // Its measurement may be that of the same thing.
+                None => fits.is_doubtful && overlap(object) > share + BETTER_OVERLAP,
+            }
         };
         if fits.iter().zip(assigned).any(claims) {
             return Decision::Wait;
@@ -138,6 +153,25 @@ impl Evidence<'_> {
         let mut others = by_box.chain(rivals(costs, assigned, at, limits));
         let is_unclear = others.any(|other| self.is_alternative(object, other));
         if is_unclear { Decision::Wait } else { Decision::Object(object) }
+    }
+
+    /// Boxes that overlap what is to be expected of their object much less than what was measured in them contradict it.
+    /// After more of those than of boxes that fit, the object begins anew where it was measured last.
+    fn anew(
+        &self,
+        (decision, own): (Decision, Option<f64>),
+        fits: &Fits,
+        associated: &mut Associated,
+    ) -> Decision {
+        let Decision::Object(object) = decision else { return decision };
+        let share = fits.in_image.get(&object).copied();
+        let is_poor = share.is_some_and(|share| share < POORLY * own.unwrap_or(1.0));
+        if !is_poor {
+            return decision;
+        }
+        associated.contradicted.push(object);
+        let is_wrong = own.is_some() && self.objects[object].is_discredited();
+        if is_wrong { Decision::Anew(object) } else { decision }
     }
 
     /// Whether a measurement of one object has to wait because it may be the other's. Objects that overlap are none of
@@ -155,21 +189,32 @@ impl Evidence<'_> {
     /// to believe that one object is two.
     fn new_or_wait(
         &self,
-        fits: &Fits,
+        (fits, is_measured): (&Fits, bool),
         assigned: &[Option<usize>],
         associated: &mut Associated,
     ) -> Decision {
         let is_taken = |object: &usize| assigned.contains(&Some(*object));
         let taken = fits.explaining.iter().find(|(o, share)| is_taken(o) && **share > SAME_PLACE);
         associated.crowded.extend(taken.map(|(object, _)| *object));
+        let is_none = |object: &MapObject| !object.counts() && object.is_discredited();
         let blocking: Vec<usize> = (fits.explaining.keys().copied())
-            .filter(|object| !is_taken(object) && !self.objects[*object].is_discredited())
+            .filter(|object| !is_taken(object) && !is_none(&self.objects[*object]))
             .collect();
         let may_be_two = |object: &usize| self.objects[*object].company.may_be_two();
         let is_waiting =
             taken.is_some_and(|(object, _)| !may_be_two(object)) || !blocking.is_empty();
+        let wrong = match blocking[..] {
+            [only] if self.objects[only].is_discredited() && taken.is_none() && is_measured => {
+                Some(only)
+            }
+            _ => None,
+        };
         associated.contradicted.extend(blocking);
-        if is_waiting { Decision::Wait } else { Decision::New }
+        match wrong {
+            Some(wrong) => Decision::Anew(wrong),
+            None if is_waiting => Decision::Wait,
+            None => Decision::New,
+        }
     }
 
     fn prospects(&self, index: &ObjectIndex) -> BTreeMap<usize, Prospect> {
@@ -187,21 +232,26 @@ impl Evidence<'_> {
         before.into_iter().filter_map(|at| Some((at, prospect(at)?))).collect()
     }
 
+    /// What was measured, in the map, and how much its box overlaps that of what is to be expected of it. Not of glimpses.
+    fn bodies(&self, observations: &[Observation]) -> Vec<Option<(Ellipsoid, f64)>> {
+        let body = |observation: &Observation| {
+            let measured = observation.measured.as_ref().filter(|m| m.glimpse.is_none())?;
+            let view = self.view?;
+            let body = measured.ellipsoid.transformed(self.map_from_base);
+            let own = Prospect::new(view, self.map_from_base, &body, observation.outline);
+            let share = own.zip(observation.rect).map_or(0.0, |(o, rect)| o.rect.overlap(&rect));
+            Some((body, share))
+        };
+        observations.iter().map(body).collect()
+    }
+
     /// Boxes that say nothing new: of two in one place, the one that fits its own measurement worse. Detectors that are
     /// not sure of a class give a thing two boxes, and what is mostly hidden is measured by the points of what hides it.
-    fn doubtful(&self, observations: &[Observation]) -> Vec<bool> {
-        let Some(view) = self.view else { return vec![false; observations.len()] };
-        let bodies: Vec<Option<(Ellipsoid, f64)>> = observations
-            .iter()
-            .map(|observation| {
-                let measured = observation.measured.as_ref().filter(|m| m.glimpse.is_none())?;
-                let body = measured.ellipsoid.transformed(self.map_from_base);
-                let own = Prospect::new(view, self.map_from_base, &body, observation.outline);
-                let share =
-                    own.zip(observation.rect).map_or(0.0, |(own, rect)| own.rect.overlap(&rect));
-                Some((body, share))
-            })
-            .collect();
+    fn doubtful(
+        &self,
+        observations: &[Observation],
+        bodies: &[Option<(Ellipsoid, f64)>],
+    ) -> Vec<bool> {
         let labels = &self.settings.labels;
         let belief = |o: &Observation| labels.posterior(&o.labels.iter().cloned().collect());
         let yields = |at: usize, other: usize| {
@@ -329,6 +379,8 @@ struct Fits {
     explaining: BTreeMap<usize, f64>,
     /// How much its box overlaps those of objects that may be called so.
     in_image: BTreeMap<usize, f64>,
+    /// Whether another box of the image shows what was measured in it.
+    is_doubtful: bool,
 }
 
 /// Bodies of one thing in two frames that follow each other are never farther apart (m): what the gate is asked about.
@@ -353,3 +405,5 @@ const TENTATIVE_COST: f64 = 0.5;
 const SAME_BOX: f64 = 0.6;
 /// The box says that it is another object where it overlaps that one's by so much more.
 const BETTER_OVERLAP: f64 = 0.1;
+/// What was measured in a box explains it so much better than the object that it was given does, or less.
+const POORLY: f64 = 0.65;

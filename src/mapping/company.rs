@@ -13,6 +13,8 @@ pub(super) struct Company {
     crowded: u32,
     /// How many boxes were in its place that do not fit it.
     pub(super) contradicted: u32,
+    /// How many do.
+    pub(super) fitting: u32,
 }
 
 impl Company {
@@ -20,6 +22,11 @@ impl Company {
     pub(super) fn see(&mut self, has_second_box: bool) {
         self.crowded =
             if has_second_box { self.crowded + 1 } else { self.crowded.saturating_sub(1) };
+    }
+
+    /// Forgets what spoke against it.
+    pub(super) fn acquit(&mut self) {
+        (self.contradicted, self.fitting) = (0, 0);
     }
 
     /// Whether it may be two things that were taken for one.

@@ -60,6 +60,19 @@ pub(super) struct Existence {
     /// Where it was last seen from as a view of its own, and how many there are.
     eye: Option<Point3<f64>>,
     views: u32,
+    /// Where it was last missed from while others accounted for what stands in its place.
+    missed_from: Option<Point3<f64>>,
+}
+
+/// An image that does not show an object where it should be.
+pub(super) struct Miss<'a> {
+    pub(super) prospect: &'a Prospect,
+    /// Share of what stands in its place that belongs to objects with a box in this image.
+    pub(super) of_others: f64,
+    /// False while the robot stands still: a detector that is blind to an object stays blind.
+    pub(super) is_new_view: bool,
+    /// Where the robot is in the map.
+    pub(super) eye: Point3<f64>,
 }
 
 impl Default for Existence {
@@ -72,6 +85,7 @@ impl Default for Existence {
             filled: None,
             eye: None,
             views: 0,
+            missed_from: None,
         }
     }
 }
@@ -107,27 +121,36 @@ impl Existence {
         self.filled = Some(known + (filled - known) / self.found.min(MEMORY));
     }
 
-    /// It should be visible and there is no box. `is_new_view` is false while the robot stands still: a detector that is
-    /// blind to an object stays blind.
-    pub(super) fn missed(&mut self, prospect: &Prospect, is_new_view: bool, life: &LifeSettings) {
+    /// It should be visible and there is no box.
+    pub(super) fn missed(&mut self, miss: &Miss<'_>, life: &LifeSettings) {
         let usual = self.filled.unwrap_or(USUALLY_FILLED);
-        let filled = prospect.filled();
+        let filled = miss.prospect.filled();
         if filled < EMPTY * usual {
             // One looks through where it was.
             self.add(EMPTY_LOG_ODDS);
             return;
         }
-        if !is_new_view {
+        if !miss.is_new_view {
             return;
         }
-        self.missed += 1.0;
+        let stands = self.state != ObjectState::Tentative && filled > STANDS * usual;
+        let is_others = stands && miss.of_others > MOSTLY;
+        if is_others {
+            // Then nothing tells a detector that is blind to it from an object that never was: only views that differ count.
+            let is_near =
+                |last: Point3<f64>| nalgebra::distance(&last, &miss.eye) <= life.different_views_m;
+            if self.missed_from.is_some_and(is_near) {
+                return;
+            }
+            self.missed_from = Some(miss.eye);
+        } else {
+            self.missed += 1.0;
+        }
         // The detector may be worse at this object than at others.
-        let counts = self.state != ObjectState::Tentative;
         let known = (self.found + PRIOR_FOUND) / (self.found + self.missed + PRIOR_SEEN);
         let chance = life.detection_probability.min(known);
         let change = ((1.0 - chance) / (1.0 - life.false_detection_probability)).ln();
-        let stands = counts && filled > STANDS * usual;
-        self.add(change * if stands { STANDING_SHARE } else { 1.0 });
+        self.add(change * if stands && !is_others { STANDING_SHARE } else { 1.0 });
     }
 
     /// Takes the state that the evidence makes; whether the object is still there.
@@ -181,8 +204,10 @@ const EMPTY: f64 = 0.25;
 const EMPTY_LOG_ODDS: f64 = -2.5;
 /// Where more than this share of the usual is left, something stands there...
 const STANDS: f64 = 0.6;
-/// ...and a box that is missing says less.
+/// ...and a box that is missing says less,
 const STANDING_SHARE: f64 = 0.2;
+/// unless more than this share of what stands there belongs to others.
+const MOSTLY: f64 = 0.7;
 /// What is known of a detector's chances before: two of two and a half.
 const PRIOR_FOUND: f64 = 2.0;
 const PRIOR_SEEN: f64 = 2.5;

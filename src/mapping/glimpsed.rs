@@ -68,15 +68,6 @@ impl MapObject {
         }
     }
 
-    /// From the first measurement on, glimpses say nothing new. Returns the poses they were made from.
-    pub(super) fn forget_glimpses(&mut self, graph: &mut Graph) -> Vec<PoseId> {
-        self.glimpsed = false;
-        let glimpses: Vec<View> = self.views.all().cloned().collect();
-        self.views.take(graph, &glimpses);
-        self.ties.drain(..).for_each(|tie| graph.remove_factor(tie.in_graph));
-        glimpses.iter().map(|view| view.keyframe.pose).collect()
-    }
-
     /// Another one that is the same thing has told how large it usually is.
     pub(super) fn forget_usual_size(&mut self, graph: &mut Graph) {
         let is_of_view = |tie: &Tie| tie.pose.is_some();

@@ -3,9 +3,11 @@
 use super::{
     Association, MapObject, ObjectId, ObjectMap, ObjectState, Sighting,
     association::{Associated, Decision},
+    existence::Miss,
     gate::overlap,
 };
-use crate::time::Stamp;
+use crate::{geometry::Ellipsoid, time::Stamp};
+use nalgebra::Point3;
 use std::collections::BTreeMap;
 
 /// What happened to an object.
@@ -60,12 +62,15 @@ impl ObjectMap {
         seen.dedup();
         self.count_neighbours(&seen);
         for at in &seen {
-            self.objects[*at].company.see(associated.crowded.contains(at));
+            let company = &mut self.objects[*at].company;
+            company.see(associated.crowded.contains(at));
+            company.fitting += u32::from(!associated.contradicted.contains(at));
         }
         for at in &associated.contradicted {
             self.objects[*at].company.contradicted += 1;
         }
-        self.weigh(associated, &seen, is_new_view);
+        let map_from_base = self.map_from_odom() * sighting.odom_from_base;
+        self.weigh(associated, &seen, is_new_view, map_from_base.translation.vector.into());
         let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
         let mut changes = Vec::new();
         self.settle(sighting.stamp, &mut changes);
@@ -89,14 +94,23 @@ impl ObjectMap {
     }
 
     /// Which objects were found, and which should have been.
-    fn weigh(&mut self, associated: &Associated, seen: &[usize], is_new_view: bool) {
+    fn weigh(
+        &mut self,
+        associated: &Associated,
+        seen: &[usize],
+        is_new_view: bool,
+        eye: Point3<f64>,
+    ) {
         let is_clear = associated.decisions.iter().all(|d| *d != Decision::Wait);
+        let found: Vec<Ellipsoid> = seen.iter().map(|at| *self.objects[*at].estimate()).collect();
         for (at, prospect) in associated.prospects.iter().filter(|(_, p)| p.is_visible()) {
             let existence = &mut self.objects[*at].existence;
             if seen.contains(at) {
                 existence.found(prospect);
             } else if is_clear || !associated.shown.contains(at) {
-                existence.missed(prospect, is_new_view, &self.settings.life);
+                let of_others = prospect.share_of(&found);
+                let miss = Miss { prospect, of_others, is_new_view, eye };
+                existence.missed(&miss, &self.settings.life);
             }
         }
     }
@@ -172,7 +186,12 @@ impl ObjectMap {
             let Some(at) = self.position(into) else { continue };
             let neighbours: Vec<ObjectId> =
                 self.objects[at].company.beside.keys().copied().collect();
-            for from in neighbours {
+            // Where a glimpse is says little about whose it is.
+            let is_measured = |id: &ObjectId| {
+                self.position(*id).is_some_and(|at| !self.objects[at].is_glimpsed())
+            };
+            let measured = neighbours.into_iter().filter(is_measured).collect::<Vec<_>>();
+            for from in measured {
                 if self.split(from, into).is_ok_and(|moved| moved > 0) {
                     changes.push(ObjectChange::Split { from, into });
                 }
@@ -195,9 +214,11 @@ impl ObjectMap {
         let labels = &self.settings.labels;
         let (of_smaller, of_both) = overlap(a.estimate(), b.estimate());
         let is_alike = labels.is_alike(labels.cost_of_same(a.belief(), b.belief()));
-        // Of what was never measured nobody knows which space it fills.
+        // What does not count may have begun with a wrong measurement, and of a glimpse nobody knows which space it fills.
         let is_vague = a.is_glimpsed() || b.is_glimpsed();
-        !is_vague && of_both > SAME_SPACE || is_alike && of_smaller > SAME_PLACE
+        let is_sure = !is_vague && a.counts() && b.counts();
+        let needed = if beside == 0 && is_sure { NEVER_APART } else { SAME_PLACE };
+        !is_vague && of_both > SAME_SPACE || is_alike && of_smaller > needed
     }
 
     /// Gives what has come to count the identity of what has left its place, if it is like it and like nothing else.
@@ -238,6 +259,8 @@ const NEIGHBOUR_M: f64 = 2.0;
 const MAX_BESIDE: f64 = 0.1;
 /// Overlap, as a share of the smaller, of things that may be the same.
 const SAME_PLACE: f64 = 0.4;
+/// The same for things that were never seen side by side.
+const NEVER_APART: f64 = 0.2;
 /// Overlap, as a share of both together, of things that are the same.
 const SAME_SPACE: f64 = 0.45;
 /// Glimpses that are needed besides: they are much surer of a place together than one by one.

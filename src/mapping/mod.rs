@@ -2,6 +2,7 @@
 
 mod assignment;
 mod association;
+mod beginning;
 mod company;
 mod continuation;
 mod existence;

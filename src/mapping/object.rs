@@ -2,6 +2,7 @@
 
 use super::{
     MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings, Weighting,
+    beginning::MAX_CENTERS,
     company::Company,
     existence::Existence,
     odometry::Place,
@@ -53,7 +54,7 @@ pub struct MapObject {
     /// Its other factors.
     pub(super) ties: Vec<Tie>,
     /// Where single measurements saw its centre, in the map.
-    centers: Vec<Point3<f64>>,
+    pub(super) centers: Vec<Point3<f64>>,
     pub(super) ellipsoid: Ellipsoid,
     covariance: SMatrix<f64, 9, 9>,
     /// Sum of the detector's probabilities by label.
@@ -203,9 +204,9 @@ impl MapObject {
         self.existence.state != ObjectState::Tentative
     }
 
-    /// Whether more boxes in its place speak against it than for it, before it counts.
+    /// Whether more boxes in its place speak against it than for it.
     pub(super) fn is_discredited(&self) -> bool {
-        !self.counts() && self.company.contradicted > self.observations
+        self.company.contradicted > self.company.fitting
     }
 
     pub(super) fn belief(&self) -> &BTreeMap<String, f64> {
@@ -336,8 +337,7 @@ impl MapObject {
         if measured.glimpse.is_none() {
             let in_map = ellipsoid.transformed(&graph.pose(place.keyframe.pose));
             if self.glimpsed {
-                forgotten = self.forget_glimpses(graph);
-                graph.set_ellipsoid(self.variable, in_map);
+                forgotten = self.begin_anew(graph, &in_map);
             }
             self.begin_anew_if_wrong(graph, &in_map);
         }
@@ -361,23 +361,6 @@ impl MapObject {
         self.ties.retain(|tie| !is_gone(tie));
     }
 
-    /// An object that began with an outlier stays at it: the robust kernel then takes what is right for outliers. So where
-    /// more measurements are near the latest one than near the estimate, the estimate begins anew there.
-    fn begin_anew_if_wrong(&mut self, graph: &mut Graph, measured: &Ellipsoid) {
-        let center = measured.center();
-        if self.centers.len() < MAX_CENTERS {
-            self.centers.push(center);
-        }
-        let estimate = graph.ellipsoid(self.variable).center();
-        let reach = measured.semi_axes.norm();
-        let near = |place: &Point3<f64>| {
-            self.centers.iter().filter(|c| nalgebra::distance(c, place) < reach).count()
-        };
-        if nalgebra::distance(&center, &estimate) > reach && near(&center) > near(&estimate) {
-            graph.set_ellipsoid(self.variable, *measured);
-        }
-    }
-
     /// Takes over all that is known of another object that is the same thing: its factors, votes and times. The other's
     /// variable leaves the graph. Returns the poses whose measurements were forgotten for it.
     pub(super) fn absorb(
@@ -389,11 +372,11 @@ impl MapObject {
         let mut forgotten = Vec::new();
         match (self.glimpsed, other.glimpsed) {
             (true, false) => {
-                forgotten = self.forget_glimpses(graph);
+                forgotten = self.forget_views(graph);
                 graph.set_ellipsoid(self.variable, other.ellipsoid);
                 self.ellipsoid = other.ellipsoid;
             }
-            (false, true) => forgotten = other.forget_glimpses(graph),
+            (false, true) => forgotten = other.forget_views(graph),
             (true, true) => other.forget_usual_size(graph),
             (false, false) => {}
         }
@@ -486,8 +469,6 @@ fn upright(ellipsoid: &Ellipsoid) -> Ellipsoid {
 
 /// A measurement is another object's if it is so much nearer to it.
 const NEARER: f64 = 0.4;
-/// Measurements that are remembered to judge an object's place by.
-const MAX_CENTERS: usize = 100;
 /// A semi-axis that measurements disagree about must not shrink to nothing (rad, m, 1).
 const NOT_ABSURD: [f64; 9] = [10.0, 10.0, 10.0, 100.0, 100.0, 100.0, 1.0, 1.0, 1.0];
 /// What boxes alone leave open must not become infinite (rad, m, 1).

@@ -143,7 +143,7 @@ impl ObjectMap {
         let mut found = Vec::with_capacity(observations.len());
         for (observation, decision) in observations.iter().zip(&associated.decisions) {
             let at = match decision {
-                Decision::Object(at) => Some(*at),
+                Decision::Object(at) | Decision::Anew(at) => Some(*at),
                 Decision::Wait => None,
                 // Another observation of this sighting may have begun it.
                 Decision::New => match self.tracked(observation) {
@@ -155,6 +155,10 @@ impl ObjectMap {
             let Some(at) = at else { continue };
             let object = &mut self.objects[at];
             before.extend((at < known).then(|| (at, object.clone())));
+            if let (Decision::Anew(_), Some(measured)) = (decision, &observation.measured) {
+                let in_map = measured.ellipsoid.transformed(&map_from_base);
+                loose.extend(object.begin_anew(&mut self.graph, &in_map));
+            }
             object.join(*stamp, observation, &map_from_base, &self.settings);
             loose.extend(object.tie(&mut self.graph, observation, &place, &self.slam)?);
         }
@@ -214,7 +218,7 @@ impl ObjectMap {
         let map_from_base = step.map_from_pose * step.pose_from_base;
         let associated = self.associated(sighting, Some(step), (pose, &map_from_base));
         let known = |decision| match decision {
-            Decision::Object(at) => Some(self.objects[at].id),
+            Decision::Object(at) | Decision::Anew(at) => Some(self.objects[at].id),
             Decision::New | Decision::Wait => None,
         };
         associated.decisions.into_iter().map(known).collect()

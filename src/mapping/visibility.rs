@@ -22,7 +22,7 @@ pub struct View<'a> {
 }
 
 /// An object as it should look in an image.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Prospect {
     /// The box round what is not hidden, as far as it lies in the image (px).
     pub(super) rect: Rect,
@@ -33,6 +33,8 @@ pub(super) struct Prospect {
     free: f64,
     /// Rays with a reading.
     readings: usize,
+    /// Where in it rays end, in the map.
+    ends: Vec<Point3<f64>>,
 }
 
 impl Prospect {
@@ -64,8 +66,11 @@ impl Prospect {
             hidden: 0.0,
             free: 0.0,
             readings: 0,
+            ends: Vec::new(),
         };
         prospect.look(view, &body, outline);
+        let map_from_camera = camera_from_map.inverse();
+        prospect.ends.iter_mut().for_each(|end| *end = map_from_camera * *end);
         Some(prospect)
     }
 
@@ -77,13 +82,16 @@ impl Prospect {
         for (i, j) in (0..RAYS).flat_map(|i| (0..RAYS).map(move |j| (i, j))) {
             let u = (self.rect.x_min + step(self.rect.width(), i)).round();
             let v = (self.rect.y_min + step(self.rect.height(), j)).round();
-            let Some((near, far)) = crossing(body, outline, &view.camera.ray(u, v)) else {
-                continue;
-            };
+            let ray = view.camera.ray(u, v);
+            let Some((near, far)) = crossing(body, outline, &ray) else { continue };
             let Some(depth) = view.depth.at(u as i32, v as i32).map(f64::from) else { continue };
             let tolerance = TOLERANCE_M + 3.0 * view.noise.sigma_m(depth);
             self.readings += 1;
-            free += usize::from(depth > far + tolerance);
+            if depth > far + tolerance {
+                free += 1;
+            } else if depth >= near - tolerance {
+                self.ends.push(Point3::from(ray * depth));
+            }
             if depth < near - tolerance {
                 hidden += 1;
             } else {
@@ -120,6 +128,17 @@ impl Prospect {
     pub(super) fn filled(&self) -> f64 {
         let open = 1.0 - self.hidden;
         if open > 0.0 { 1.0 - self.free / open } else { 1.0 }
+    }
+
+    /// Share of what stands in its place that belongs to these bodies in the map.
+    pub(super) fn share_of(&self, bodies: &[Ellipsoid]) -> f64 {
+        let is_in = |end: &&Point3<f64>| {
+            bodies.iter().any(|body| {
+                let at = body.pose.inverse_transform_point(*end).coords.abs();
+                at.iter().zip(&body.semi_axes).all(|(at, reach)| *at <= reach + TOLERANCE_M)
+            })
+        };
+        self.ends.iter().filter(is_in).count() as f64 / self.ends.len().max(1) as f64
     }
 }
 

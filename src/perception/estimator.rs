@@ -159,7 +159,7 @@ fn estimate<'a>(
     let known = faces.faces[..4].iter().filter(|f| f.side.is_known()).count();
     // Without a usual size there is nothing to guess from.
     let is_guess = prior.size_m.is_some_and(|size| !faces.is_sliver(size));
-    if known == 0 && !is_guess || faces.is_seen_through_a_gap(&prior) {
+    if known == 0 && !is_guess || faces.lacks_its_top(&prior) {
         return Err(Refused::TooLittleSeen { known });
     }
     observer.enter(Some(Stage::Fit));

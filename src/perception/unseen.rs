@@ -22,11 +22,9 @@ impl Faces {
         (0..2).any(|axis| self.extent_m(axis) < SLIVER_SHARE * short)
     }
 
-    /// Whether no end of what was seen is its own, its lower end aside, nor the top of what carries things: the wall behind
-    /// an object that one looks through below is seen so.
-    pub(super) fn is_seen_through_a_gap(&self, prior: &ClassPrior) -> bool {
-        let is_seen = |i: usize| matches!(self.faces[i].side, Side::Seen | Side::Mirrored);
-        if prior.carries { !is_seen(5) } else { ![0, 1, 2, 3, 5].into_iter().any(is_seen) }
+    /// Whether the top of what carries things was not seen: the wall behind a table is, below its top.
+    pub(super) fn lacks_its_top(&self, prior: &ClassPrior) -> bool {
+        prior.carries && self.faces[5].side != Side::Seen
     }
 
     /// Where none of the upright faces was seen, what was seen may be any part of the object, or something beside it:
