@@ -151,6 +151,28 @@ fn what_has_come_into_one_place_is_merged_unless_both_were_seen_at_once() {
     }
 }
 
+/// A chair that was seen twice from afar as two, half beside each other.
+#[test]
+fn what_overlaps_a_little_is_merged_once_both_count_and_were_never_seen_at_once() {
+    for together in [false, true] {
+        let mut map = empty();
+        let mut second = 0.0;
+        let mut look = |map: &mut ObjectMap, boxes: &dyn Fn() -> Vec<Observation>| {
+            for _ in 0..6 {
+                observe(map, second, boxes());
+                second += 1.0;
+            }
+        };
+        if together {
+            look(&mut map, &|| vec![chair(0.0, 0.0), chair(0.44, 0.0)]);
+        } else {
+            look(&mut map, &|| vec![chair(0.0, 0.0)]);
+            look(&mut map, &|| vec![chair(0.44, 0.0)]);
+        }
+        assert_eq!(map.confirmed().count(), if together { 2 } else { 1 });
+    }
+}
+
 #[test]
 fn what_comes_to_count_gets_the_measurements_that_its_neighbour_had_of_it() {
     let mut map = empty();

@@ -209,3 +209,64 @@ fn a_box_waits_where_another_one_shows_what_was_measured_in_it() {
     assert_eq!(room.see(&[unclear, (right, left)], &things).objects, [None, None]);
     assert_eq!(room.see(&[unclear, (right, right)], &things).objects, [ids[0], ids[1]]);
 }
+
+/// A table that was first seen through a slit between chairs.
+#[test]
+fn what_its_boxes_contradict_more_often_than_they_fit_begins_anew() {
+    let mut room = Room::new(LifeSettings::default());
+    let whole = cabinet(0.0);
+    let part = Ellipsoid::new(Pose::translation(2.2, 0.12, 0.3), Vector3::new(0.2, 0.15, 0.2));
+    let thing = (room.rect(&whole), 2.0);
+    for _ in 0..6 {
+        room.look(&[part], &[thing]);
+    }
+    assert_eq!(room.map.confirmed().count(), 1);
+    for _ in 0..12 {
+        room.look(&[whole], &[thing]);
+    }
+    let objects: Vec<_> = room.map.confirmed().collect();
+    assert_eq!(objects.len(), 1);
+    let e = objects[0].ellipsoid().relabelled_towards(0.0);
+    assert_eq!(objects[0].id, ObjectId(1));
+    assert!((e.center() - whole.center()).norm() < 0.02, "{e:?}");
+    assert!((e.semi_axes - whole.semi_axes).norm() < 0.02, "{e:?}");
+}
+
+/// What stands in its place has a box of its own each time, so it is no detector's blindness that it has none.
+#[test]
+fn what_is_missed_where_another_one_is_found_is_gone_soon() {
+    // How sure one is of something that seemed to stand before the cabinet, with and without the cabinet's own boxes.
+    let after = |is_found: bool| {
+        let mut room = Room::new(LifeSettings::default());
+        let whole = cabinet(0.0);
+        let ghost =
+            Ellipsoid::new(Pose::translation(1.9, 0.0, 0.5), Vector3::new(0.12, 0.25, 0.35));
+        let thing = (room.rect(&whole), 2.0);
+        for _ in 0..8 {
+            room.look(&[whole, ghost], &[thing]);
+        }
+        assert_eq!(room.map.confirmed().count(), 2);
+        let found = if is_found { vec![whole] } else { vec![] };
+        for _ in 0..8 {
+            room.look(&found, &[thing]);
+        }
+        room.map.all().iter().find(|o| o.id == ObjectId(2)).map_or(0.0, |o| o.existence())
+    };
+    assert!(after(true) < after(false), "{} {}", after(true), after(false));
+}
+
+/// Two boxes of one image in which the same was measured: the one round what it was measured of may claim it.
+#[test]
+fn a_box_claims_what_was_measured_in_another_one_too() {
+    let mut room = Room::new(LifeSettings::default());
+    let (left, right) = (cabinet(0.35), cabinet(-0.35));
+    let things = [(room.rect(&left), 2.0), (room.rect(&right), 2.0)];
+    for _ in 0..8 {
+        room.look(&[left, right], &things);
+    }
+    let between = cabinet(0.15);
+    let ids: Vec<_> = room.map.confirmed().map(|object| Some(object.id)).collect();
+    assert_eq!(room.see(&[(left, between)], &things).objects, [ids[0]]);
+    // With the box of the left one beside it, in which the same was measured worse, nobody can tell.
+    assert_eq!(room.see(&[(left, between), (between, left)], &things).objects, [None, None]);
+}
