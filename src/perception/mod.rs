@@ -20,13 +20,13 @@ mod glimpse;
 mod measurement;
 mod normal;
 mod registration;
-mod room;
 mod segmentation;
 mod side;
 mod silhouette;
 mod stage;
 mod support;
 mod symmetry;
+mod top;
 mod unseen;
 
 pub use classes::{ClassPrior, Classes};

@@ -10,6 +10,7 @@ use super::{
     normal::local_normal,
     silhouette::BoxSide,
     support::{GridPoint, SupportPlane},
+    top::reaches_upper_side,
 };
 use crate::geometry::Rect;
 use nalgebra::{Point3, Unit, Vector3};
@@ -119,13 +120,6 @@ impl Segment<'_> {
         SHEET_SIGMAS * noise + SHEET_M
     }
 
-    /// The points that tell how far it reaches: of what carries things those of its top, for below there are legs.
-    pub(super) fn widest(&self, prior: &ClassPrior) -> Vec<SurfacePoint> {
-        let top_m = self.points.iter().map(|p| p.at.z).fold(f64::MIN, f64::max);
-        let is_wide = |p: &&SurfacePoint| !prior.carries || p.at.z > top_m - TOP_M;
-        self.points.iter().filter(is_wide).copied().collect()
-    }
-
     /// From the lowest to the highest point (m).
     pub(super) fn height_m(&self) -> f64 {
         let heights = || self.points.iter().map(|p| p.at.z);
@@ -205,8 +199,6 @@ pub(super) fn segment<'a>(
     })
 }
 
-/// A top is no thicker than this (m).
-const TOP_M: f64 = 0.05;
 /// Of one face both ends are found within so many standard deviations of the depth,
 const SHEET_SIGMAS: f64 = 2.0;
 /// its own relief aside (m).
@@ -399,18 +391,9 @@ fn count_in(plane: &SupportPlane, rect: &Rect, share: f64) -> usize {
     plane.inliers.iter().filter(is_in).count()
 }
 
-/// Whether a plane is seen in the upper part of a box: what an object carries has a box of its own, so its top is there.
-/// The seats of the chairs before a table are lower.
-fn reaches_upper_side(plane: &SupportPlane, rect: &Rect) -> bool {
-    let from = Rect { y_max: rect.y_min + UPPER_SHARE * rect.height(), ..*rect };
-    plane.inliers.iter().any(|p| from.contains(f64::from(p.u), f64::from(p.v)))
-}
-
 const OWN_PLANE_SHARE: f64 = 0.7;
 /// How far round the box its plane must have ended, as a share of its sides.
 const OWN_PLANE_RING: f64 = 0.4;
-/// How far down a box its upper part reaches, as a share of its height.
-const UPPER_SHARE: f64 = 0.25;
 const MIN_OWN_PLANE: usize = 6;
 /// What lies this much lower, noise aside, is not the same plane (m).
 const OWN_PLANE_STEP_M: f64 = 0.01;

@@ -22,11 +22,6 @@ impl Faces {
         (0..2).any(|axis| self.extent_m(axis) < SLIVER_SHARE * short)
     }
 
-    /// Whether the top of what carries things was not seen: the wall behind a table is, below its top.
-    pub(super) fn lacks_its_top(&self, prior: &ClassPrior) -> bool {
-        prior.carries && self.faces[5].side != Side::Seen
-    }
-
     /// Where none of the upright faces was seen, what was seen may be any part of the object, or something beside it:
     /// the standard deviation of where it is along either horizontal axis, besides that of its faces (m).
     pub(super) fn place_sigma_m(&self, prior: &ClassPrior) -> f64 {
