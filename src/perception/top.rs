@@ -32,7 +32,8 @@ impl Faces {
         prior.carries && self.faces[5].side != Side::Seen
     }
 
-    /// Beyond each upright face, how far the object may reach at most (m); infinite where nothing limits it.
+    /// Beyond each upright face, how far the object may reach at most (m): no farther beyond one that is known; infinite
+    /// where nothing limits it.
     ///
     /// A top goes on level until the object ends. Where it would be in front of what was measured, the object has ended, even
     /// if what hides the end itself is nearer: a table between two chairs does not reach past them. Of what has no top,
@@ -43,9 +44,6 @@ impl Faces {
         segment: &Segment<'_>,
         prior: &ClassPrior,
     ) -> [f64; 4] {
-        if !prior.carries {
-            return [f64::INFINITY; 4];
-        }
         let points = segment.widest(prior);
         let every = points.len().div_ceil(MAX_LOOKS).max(1);
         let bound = BoxSide::widened(&segment.rect);
@@ -53,6 +51,9 @@ impl Faces {
             let face = self.faces[i];
             if face.side.is_known() {
                 return 0.0;
+            }
+            if !prior.carries {
+                return f64::INFINITY;
             }
             let outward = outward(self.yaw, i);
             let room_m = |p: &SurfacePoint| {

@@ -130,6 +130,21 @@ fn what_stands_against_a_wall_ends_there() {
     assert!(far_end(0.75).is_none_or(|(side, ..)| side != Side::Seen));
 }
 
+/// A couch of which one end was seen and something nearer hides the other: the couch is as long as couches are beyond it.
+#[test]
+fn what_one_end_lacks_is_at_the_other() {
+    let mut scene = Scene::with_floor();
+    let couch = scene.add(standing(0.0, [3.0, 0.0, 0.4], [0.45, 0.9, 0.4]));
+    scene.add(standing(0.0, [1.8, 0.7, 0.6], [0.02, 0.6, 0.6]));
+    let view = scene.seen_with(&looking([0.0, 0.0, 1.3], 0.0, 20.0), Some(3));
+    let m = measure(&view, "couch", couch);
+    assert_eq!(m.sides[face_towards(&m, &view, -Vector3::y())], Side::Seen);
+    assert_eq!(m.sides[face_towards(&m, &view, Vector3::y())], Side::Hidden);
+    let e = in_world(&m, &view, scene.thing(couch));
+    let (seen, hidden) = (e.center().y - e.semi_axes.y, e.center().y + e.semi_axes.y);
+    assert!((seen + 0.9).abs() < 0.03 && (hidden - 1.0).abs() < 0.1, "{seen} to {hidden}");
+}
+
 /// A short table between two cupboards that hide both of its ends: it goes on behind them, but not past them.
 #[test]
 fn what_is_hidden_is_not_where_one_can_look_through() {
