@@ -285,7 +285,7 @@ impl Evidence<'_> {
         let aligned = fits.in_image.iter().filter(|(at, share)| **share > ALIGNED && is_unsure(at));
         let mut near: BTreeSet<usize> = aligned.map(|(at, _)| *at).collect();
         near.extend(index.near(&in_map, REACH_M));
-        near.extend((0..self.objects.len()).filter(|at| self.is_adrift(*at)));
+        near.extend((0..self.objects.len()).filter(|at| self.objects[*at].is_adrift()));
         let old = |at: &usize| self.long_ago.is_some_and(|then| self.objects[*at].last_seen < then);
         near.extend(index.near(&in_map, self.reach_m(measured)).into_iter().filter(old));
         for at in near {
@@ -293,7 +293,7 @@ impl Evidence<'_> {
             let called = self.settings.labels.cost(&observation.labels, object.belief());
             // Of what may be anywhere, only the name tells whether it is the same.
             let compares_boxes = observation.compares_box(object);
-            let is_vague = compares_boxes || self.is_adrift(at);
+            let is_vague = compares_boxes || object.is_adrift();
             let is_alike = self.settings.labels.is_alike(called);
             if called >= gate.new_object_cost || is_vague && !is_alike {
                 continue;
@@ -323,12 +323,6 @@ impl Evidence<'_> {
             }
         }
         fits
-    }
-
-    /// Whether an object may be anywhere along the directions that it was seen in.
-    fn is_adrift(&self, at: usize) -> bool {
-        let object = &self.objects[at];
-        object.is_glimpsed() && !object.is_placed()
     }
 
     /// How far from a measurement its object may be found if it was not seen for long (m): a robot that comes back finds

@@ -22,7 +22,7 @@ impl MapObject {
         self.glimpsed = false;
         let views: Vec<View> = self.views.all().cloned().collect();
         self.views.take(graph, &views);
-        self.ties.drain(..).for_each(|tie| graph.remove_factor(tie.in_graph));
+        self.remove_ties(graph, |_| true);
         views.iter().map(|view| view.keyframe.pose).collect()
     }
 

@@ -1,6 +1,6 @@
 //! Objects of which there are only boxes without depth, until one is measured.
 
-use super::{Hints, MapObject, Observation, ties::Tie, views::View};
+use super::{Hints, MapObject, Observation, views::View};
 use crate::{
     geometry::{Ellipsoid, Pose, skew},
     graph::{EllipsoidId, EllipsoidPrior, Factor, Graph, Noise, NoiseError, PoseId, Variable},
@@ -16,6 +16,11 @@ impl MapObject {
     /// Whether it is known where it is, seen from the robot. Glimpses tell it from different places only.
     pub(super) fn is_placed(&self) -> bool {
         self.placed
+    }
+
+    /// Whether it may be anywhere along the directions that it was seen in.
+    pub(super) fn is_adrift(&self) -> bool {
+        self.glimpsed && !self.placed
     }
 
     /// Looks whether it is known where it is from a pose that it was seen from: how well the pose is known is no matter.
@@ -70,18 +75,19 @@ impl MapObject {
 
     /// Another one that is the same thing has told how large it usually is.
     pub(super) fn forget_usual_size(&mut self, graph: &mut Graph) {
-        let is_of_view = |tie: &Tie| tie.pose.is_some();
-        let sizes = self.ties.iter().filter(|tie| !is_of_view(tie));
-        sizes.for_each(|tie| graph.remove_factor(tie.in_graph));
-        self.ties.retain(is_of_view);
+        self.remove_ties(graph, |tie| tie.pose.is_none());
     }
 }
 
 impl Observation {
+    /// Whether it is hardly more than a direction.
+    pub(super) fn is_glimpse(&self) -> bool {
+        self.measured.as_ref().is_some_and(|measured| measured.glimpse.is_some())
+    }
+
     /// Whether boxes alone tell if it is this object.
     pub(super) fn compares_box(&self, object: &MapObject) -> bool {
-        let is_glimpse = self.measured.as_ref().is_some_and(|measured| measured.glimpse.is_some());
-        is_glimpse && object.is_glimpsed() && self.sides.sides.iter().any(Option::is_some)
+        self.is_glimpse() && object.is_glimpsed() && self.sides.has_any()
     }
 }
 

@@ -184,13 +184,12 @@ impl ObjectMap {
             .collect();
         for into in fresh {
             let Some(at) = self.position(into) else { continue };
-            let neighbours: Vec<ObjectId> =
-                self.objects[at].company.beside.keys().copied().collect();
             // Where a glimpse is says little about whose it is.
             let is_measured = |id: &ObjectId| {
                 self.position(*id).is_some_and(|at| !self.objects[at].is_glimpsed())
             };
-            let measured = neighbours.into_iter().filter(is_measured).collect::<Vec<_>>();
+            let neighbours = self.objects[at].company.beside.keys().copied();
+            let measured: Vec<ObjectId> = neighbours.filter(is_measured).collect();
             for from in measured {
                 if self.split(from, into).is_ok_and(|moved| moved > 0) {
                     changes.push(ObjectChange::Split { from, into });

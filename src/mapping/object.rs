@@ -94,7 +94,7 @@ impl MapObject {
             votes: BTreeMap::new(),
             belief: BTreeMap::new(),
             existence: Existence::default(),
-            glimpsed: first.measured.as_ref().is_some_and(|measured| measured.glimpse.is_some()),
+            glimpsed: first.is_glimpse(),
             placed: false,
             company: Company::default(),
         }
@@ -266,7 +266,7 @@ impl MapObject {
         let noise = Noise::from_sigmas(sigmas)?;
         graph.add_factor(EllipsoidPrior::new(self.variable, *initial, noise));
         let hints = first.measured.as_ref().and_then(|measured| measured.glimpse.as_ref());
-        if let Some(hints) = hints.filter(|_| first.sides.sides.iter().any(Option::is_some)) {
+        if let Some(hints) = hints.filter(|_| first.sides.has_any()) {
             let prior = hints.prior(self.variable, initial)?;
             self.ties.push(Tie::new(graph, TieFactor::Prior(Box::new(prior)), None));
         }
@@ -344,7 +344,7 @@ impl MapObject {
         let map_from_object = self.ellipsoid.pose;
         let view = View::new(place.keyframe, factor, sides);
         forgotten.extend(self.views.add(graph, &map_from_object, view, settings)?);
-        if self.glimpsed && !self.placed {
+        if self.is_adrift() {
             let eye = graph.pose(place.keyframe.pose).translation.vector.into();
             self.range_anew(graph, &eye);
         }
@@ -356,7 +356,10 @@ impl MapObject {
     fn forget_ties(&mut self, graph: &mut Graph, poses: &[PoseId]) {
         let is_viewed = |pose: &PoseId| self.views.all().any(|view| view.keyframe.pose == *pose);
         let gone: Vec<PoseId> = poses.iter().copied().filter(|pose| !is_viewed(pose)).collect();
-        let is_gone = |tie: &Tie| tie.pose.is_some_and(|pose| gone.contains(&pose));
+        self.remove_ties(graph, |tie| tie.pose.is_some_and(|pose| gone.contains(&pose)));
+    }
+
+    pub(super) fn remove_ties(&mut self, graph: &mut Graph, is_gone: impl Fn(&Tie) -> bool) {
         self.ties.iter().filter(|t| is_gone(t)).for_each(|t| graph.remove_factor(t.in_graph));
         self.ties.retain(|tie| !is_gone(tie));
     }

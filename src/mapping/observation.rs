@@ -51,6 +51,11 @@ pub struct ObservedBox {
 }
 
 impl ObservedBox {
+    /// Whether any of its sides says something.
+    pub(super) fn has_any(&self) -> bool {
+        self.sides.iter().any(Option::is_some)
+    }
+
     /// The factor that ties an object to its sides, if there are any.
     pub(super) fn factor(
         &self,
@@ -58,7 +63,7 @@ impl ObservedBox {
         (object, outline): (EllipsoidId, Outline),
         settings: &SlamSettings,
     ) -> Result<Option<BoxObservation>, BoxError> {
-        if self.sides.iter().all(Option::is_none) {
+        if !self.has_any() {
             return Ok(None);
         }
         let outline = match settings.box_outline {

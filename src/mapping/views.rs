@@ -35,17 +35,19 @@ impl View {
         Self { keyframe, factor, sides, in_graph: Vec::new() }
     }
 
-    /// Gives the graph its factors with this share of their information.
+    /// Gives the graph its factors with the information that they have as one of `count` similar views.
     fn enter(
         &mut self,
         graph: &mut Graph,
-        share: impl Fn(f64) -> f64,
+        count: usize,
         correlation: f64,
     ) -> Result<(), NoiseError> {
         self.leave(graph);
-        self.in_graph.push(graph.add_factor(self.factor.clone().scaled(share(correlation))?));
+        let factor = self.factor.clone().scaled(share(count, correlation))?;
+        self.in_graph.push(graph.add_factor(factor));
         if let Some(sides) = &self.sides {
-            self.in_graph.push(graph.add_factor(sides.clone().scaled(share(SIDES_CORRELATION))?));
+            let sides = sides.clone().scaled(share(count, SIDES_CORRELATION))?;
+            self.in_graph.push(graph.add_factor(sides));
         }
         Ok(())
     }
@@ -75,19 +77,15 @@ impl Views {
         let bearing = eye.y.atan2(eye.x) / settings.similar_views_deg.to_radians();
         let sector = self.sectors.entry(bearing.round() as i64).or_default();
         let correlation = settings.similar_views_correlation;
-        let share = |count: usize, correlation: f64| {
-            1.0 / (1.0 + (count.next_power_of_two() as f64 - 1.0) * correlation)
-        };
         let mut forgotten = least_needed(sector).map(|at| sector.remove(at));
         forgotten.iter_mut().for_each(|view| view.leave(graph));
         let count = sector.len() + 1;
-        let now = |correlation: f64| share(count, correlation);
         if count.next_power_of_two() > sector.len().max(1).next_power_of_two() {
             for view in sector.iter_mut() {
-                view.enter(graph, now, correlation)?;
+                view.enter(graph, count, correlation)?;
             }
         }
-        view.enter(graph, now, correlation)?;
+        view.enter(graph, count, correlation)?;
         sector.push(view);
         Ok(forgotten.map(|view| view.keyframe.pose))
     }
@@ -99,7 +97,7 @@ impl Views {
 
     /// Takes some out, with their factors.
     pub(super) fn take(&mut self, graph: &mut Graph, views: &[View]) {
-        views.iter().for_each(|view| view.clone().leave(graph));
+        views.iter().flat_map(|v| &v.in_graph).for_each(|factor| graph.remove_factor(*factor));
         for sector in self.sectors.values_mut() {
             sector.retain(|view| views.iter().all(|taken| taken.in_graph != view.in_graph));
         }
@@ -133,6 +131,11 @@ fn least_needed(views: &[View]) -> Option<usize> {
     };
     let least = (0..views.len()).min_by_key(|at| need(&views[*at]));
     least.filter(|_| views.len() == MAX_SIMILAR)
+}
+
+/// Share of its information that one of so many similar views has, up to the next power of two.
+fn share(count: usize, correlation: f64) -> f64 {
+    1.0 / (1.0 + (count.next_power_of_two() as f64 - 1.0) * correlation)
 }
 
 /// Errors of the sides of boxes in similar views: detectors draw them anew each time.

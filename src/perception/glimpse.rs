@@ -54,27 +54,25 @@ pub fn glimpse(
     max_range_m: f64,
 ) -> Option<Glimpse> {
     let rect = &detection.rect;
+    let ranges = readings(frame, rect);
+    let read = lower_quartile(&ranges).map(Range::read);
     match classes.prior(detection.label()).size_m {
         Some(size_m) => {
             let seen = Apparent::new(frame, rect, &completed(rect, frame.camera(), size_m)?);
-            let range = seen.range(frame, rect, size_m);
+            let range = seen.range(read, size_m);
             let sigmas = [SIZE_SIGMA, PROPORTION_SIGMA];
             let glimpse = seen.glimpse(frame, rect, (range, size_m, sigmas));
-            let ranges = readings(frame, rect);
             let within = ranges.iter().filter(|range_m| **range_m <= max_range_m).count();
             let is_far = range.at_m > max_range_m;
             let is_beyond = within == 0 || is_far && MOSTLY * within < GRID * GRID;
             Some(if is_beyond { glimpse } else { glimpse.by_itself() })
         }
-        None if readings(frame, rect).iter().all(|range_m| *range_m > max_range_m) => {
+        None if ranges.iter().all(|range_m| *range_m > max_range_m) => {
             let seen = Apparent::new(frame, rect, &uncompleted(rect, frame.camera())?);
-            let range = match readings_m(frame, rect) {
-                Some(at_m) => Range { at_m, sigma_m: READING_SIGMA * at_m, is_read: true },
-                None => {
-                    let at_m = BEYOND_REACH * max_range_m;
-                    Range { at_m, sigma_m: BEYOND_REACH_SIGMA * at_m, is_read: false }
-                }
-            };
+            let range = read.unwrap_or_else(|| {
+                let at_m = BEYOND_REACH * max_range_m;
+                Range { at_m, sigma_m: BEYOND_REACH_SIGMA * at_m, is_read: false }
+            });
             let across = seen.width * range.at_m / SEEN_WIDTH;
             let middle = (across * seen.height * range.at_m).sqrt();
             let size_m = [across.max(middle), across.min(middle), middle];
@@ -104,6 +102,11 @@ struct Range {
 }
 
 impl Range {
+    /// As depth readings tell it.
+    fn read(at_m: f64) -> Self {
+        Self { at_m, sigma_m: READING_SIGMA * at_m, is_read: true }
+    }
+
     /// What depth says and nothing else, with a unit vector away from the camera in the object's frame.
     fn depth_covariance(&self, away: &Vector3<f64>) -> SMatrix<f64, 9, 9> {
         let mut covariance = SMatrix::from_diagonal(&SVector::from(UNKNOWN.map(|s| s * s)));
@@ -156,8 +159,8 @@ impl Apparent {
         (sine.abs(), (1.0 - sine * sine).sqrt())
     }
 
-    /// The range of the middle of an object of this size.
-    fn range(&self, frame: &Frame<'_>, rect: &Rect, [long, short, high]: [f64; 3]) -> Range {
+    /// The range of the middle of an object of this size, in whose box this was `read`.
+    fn range(&self, read: Option<Range>, [long, short, high]: [f64; 3]) -> Range {
         let (sine, cosine) = self.descent();
         let middle = (long * short).sqrt();
         // Of what is partly hidden, less shows: the side that asks for the shorter range is the more credible.
@@ -167,11 +170,12 @@ impl Apparent {
         let disagreement = 0.5 * (by_height / by_width).ln().abs();
         let sigma = SIZE_SIGMA.hypot(disagreement) * range;
         // The depth in the box is the object's, unless it would have an absurd size there.
-        let near = readings_m(frame, rect).map(|near| near + 0.5 * middle);
-        match near.filter(|near| (near / range).ln().abs() < 2.0 * SIZE_SIGMA) {
-            Some(near) => Range { at_m: near, sigma_m: READING_SIGMA * near, is_read: true },
-            None => Range { at_m: range, sigma_m: sigma, is_read: false },
-        }
+        let near = read.map(|near| Range::read(near.at_m + 0.5 * middle));
+        near.filter(|near| (near.at_m / range).ln().abs() < 2.0 * SIZE_SIGMA).unwrap_or(Range {
+            at_m: range,
+            sigma_m: sigma,
+            is_read: false,
+        })
     }
 
     fn glimpse(
@@ -252,12 +256,12 @@ fn hidden_px(frame: &Frame<'_>, rect: &Rect, range_m: f64) -> [Option<f64>; 4] {
     })
 }
 
-/// A lower quartile of the ranges in the middle of a box (m).
-fn readings_m(frame: &Frame<'_>, rect: &Rect) -> Option<f64> {
-    let mut ranges = readings(frame, rect);
+/// A lower quartile of the ranges in the middle of a box (m), if they are enough to tell.
+fn lower_quartile(ranges: &[f64]) -> Option<f64> {
     if 2 * ranges.len() < GRID * GRID {
         return None;
     }
+    let mut ranges = ranges.to_vec();
     ranges.sort_by(f64::total_cmp);
     Some(ranges[ranges.len() / 4])
 }

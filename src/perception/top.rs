@@ -9,6 +9,7 @@ use super::{
 };
 use crate::geometry::Rect;
 use nalgebra::Vector3;
+use std::borrow::Cow;
 
 /// Whether a plane is seen in the upper part of a box: what an object carries has a box of its own, so its top is there.
 /// The seats of the chairs before a table are lower.
@@ -19,10 +20,12 @@ pub(super) fn reaches_upper_side(plane: &SupportPlane, rect: &Rect) -> bool {
 
 impl Segment<'_> {
     /// The points that tell how far it reaches: of what carries things those of its top.
-    pub(super) fn widest(&self, prior: &ClassPrior) -> Vec<SurfacePoint> {
+    pub(super) fn widest(&self, prior: &ClassPrior) -> Cow<'_, [SurfacePoint]> {
+        if !prior.carries {
+            return Cow::Borrowed(&self.points);
+        }
         let top_m = self.points.iter().map(|p| p.at.z).fold(f64::MIN, f64::max);
-        let is_wide = |p: &&SurfacePoint| !prior.carries || p.at.z > top_m - TOP_M;
-        self.points.iter().filter(is_wide).copied().collect()
+        self.points.iter().filter(|p| p.at.z > top_m - TOP_M).copied().collect()
     }
 }
 

@@ -91,6 +91,15 @@ impl Room {
         sighted
     }
 
+    /// Shows two cabinets until both count. Returns what depth sees of them.
+    fn with_both(&mut self, one: Ellipsoid, other: Ellipsoid) -> [(Rect, f32); 2] {
+        let things = [one, other].map(|body| (self.rect(&body), 2.0));
+        for _ in 0..8 {
+            self.look(&[one, other], &things);
+        }
+        things
+    }
+
     fn with_cabinet(&mut self) {
         let body = cabinet(0.0);
         for _ in 0..8 {
@@ -196,10 +205,7 @@ fn what_was_moved_keeps_its_identity_or_not_as_one_likes() {
 fn a_box_waits_where_another_one_shows_what_was_measured_in_it() {
     let mut room = Room::new(LifeSettings::default());
     let (left, right) = (cabinet(0.35), cabinet(-0.35));
-    let things = [(room.rect(&left), 2.0), (room.rect(&right), 2.0)];
-    for _ in 0..8 {
-        room.look(&[left, right], &things);
-    }
+    let things = room.with_both(left, right);
     let ids: Vec<_> = room.map.confirmed().map(|object| Some(object.id)).collect();
     assert_eq!(ids.len(), 2);
     // A box between the two, in which the left one was measured.
@@ -260,10 +266,7 @@ fn what_is_missed_where_another_one_is_found_is_gone_soon() {
 fn a_box_claims_what_was_measured_in_another_one_too() {
     let mut room = Room::new(LifeSettings::default());
     let (left, right) = (cabinet(0.35), cabinet(-0.35));
-    let things = [(room.rect(&left), 2.0), (room.rect(&right), 2.0)];
-    for _ in 0..8 {
-        room.look(&[left, right], &things);
-    }
+    let things = room.with_both(left, right);
     let between = cabinet(0.15);
     let ids: Vec<_> = room.map.confirmed().map(|object| Some(object.id)).collect();
     assert_eq!(room.see(&[(left, between)], &things).objects, [ids[0]]);
