@@ -1,9 +1,16 @@
 //! Objects of which there are only boxes without depth, until one is measured.
 
-use super::{Hints, MapObject, Observation, views::View};
+use super::{
+    Hints, MapObject, Observation, SlamSettings,
+    ties::{Tie, TieFactor},
+    views::View,
+};
 use crate::{
-    geometry::{Ellipsoid, Pose, skew},
-    graph::{EllipsoidId, EllipsoidPrior, Factor, Graph, Noise, NoiseError, PoseId, Variable},
+    geometry::{Ellipsoid, Plane, Pose, skew},
+    graph::{
+        EllipsoidId, EllipsoidPrior, Factor, Graph, Noise, NoiseError, PoseId, SupportContact,
+        Variable,
+    },
 };
 use nalgebra::{Point3, SMatrix, SVector};
 
@@ -56,9 +63,9 @@ impl MapObject {
                 let sides = view.sides.as_ref().map_or(0.0, |sides| of_factor(sides, &at));
                 of_factor(&view.factor, &at) + sides
             };
-            let sizes = self.ties.iter().filter(|tie| tie.pose.is_none());
+            let by_itself = self.ties.iter().filter(|tie| tie.pose.is_none());
             self.views.all().map(of_view).sum::<f64>()
-                + sizes.map(|tie| of_factor(tie.factor(), &[body])).sum::<f64>()
+                + by_itself.map(|tie| of_factor(tie.factor(), &[body])).sum::<f64>()
         };
         let (mut best, mut least) = (None, cost(&estimate) - SURELY_BETTER);
         for ratio in RANGE_RATIOS {
@@ -73,9 +80,36 @@ impl MapObject {
         }
     }
 
+    /// Ties it to the floor in the map that it is said to stand on, if any, or to the lowest of several: an image may show a
+    /// table's top and no floor. With the lower side of a box, that is a range.
+    pub(super) fn stand_on(
+        &mut self,
+        graph: &mut Graph,
+        floor: Option<Plane>,
+        settings: &SlamSettings,
+    ) -> Result<(), NoiseError> {
+        let Some(floor) = floor else { return Ok(()) };
+        let above_m = |plane: &Plane| plane.signed_distance(&self.ellipsoid.center());
+        let known_m = self.ties.iter().find_map(Tie::support).map(above_m);
+        if known_m.is_some_and(|known_m| above_m(&floor) < known_m + LOWER_BY_M) {
+            return Ok(());
+        }
+        self.remove_ties(graph, |tie| tie.support().is_some());
+        let contact =
+            SupportContact::new(self.variable, self.outline, floor, settings.support_sigma_m)?;
+        let contact = TieFactor::Support(contact.with_kernel(settings.robust_kernel()));
+        self.ties.push(Tie::new(graph, contact, None));
+        Ok(())
+    }
+
+    /// Whether it is known what it stands on.
+    pub(super) fn stands(&self) -> bool {
+        self.ties.iter().any(|tie| tie.support().is_some())
+    }
+
     /// Another one that is the same thing has told how large it usually is.
     pub(super) fn forget_usual_size(&mut self, graph: &mut Graph) {
-        self.remove_ties(graph, |tie| tie.pose.is_none());
+        self.remove_ties(graph, |tie| tie.pose.is_none() && tie.support().is_none());
     }
 }
 
@@ -107,10 +141,12 @@ impl Hints {
 
 /// Ranges that are tried, as shares of the estimated one.
 const RANGE_RATIOS: [f64; 8] = [0.4, 0.5, 0.65, 0.8, 1.25, 1.5, 2.0, 2.5];
+/// A plane is another one where it is lower by so much (m).
+const LOWER_BY_M: f64 = 0.1;
 /// By so much the cost has to be less.
 const SURELY_BETTER: f64 = 1.0;
 /// What a class says of place and heading: nothing, except that what was nearer the camera than wide stands across (rad, m).
 const ANYWHERE: [f64; 9] = [10.0, 10.0, 1.0, 100.0, 100.0, 100.0, 0.0, 0.0, 0.0];
 
 /// Standard deviation of the place of an object from which there must be more than glimpses (m).
-const PLACED_SIGMA_M: f64 = 0.6;
+const PLACED_SIGMA_M: f64 = 0.7;

@@ -126,6 +126,7 @@ impl ObjectMap {
             let is_placed = object.is_placed() || is_given && !object.is_glimpsed();
             let needed = match (is_placed, object.is_glimpsed()) {
                 (true, false) => needed,
+                (true, true) if object.stands() => needed,
                 (true, true) => needed.saturating_add(MORE_GLIMPSES),
                 (false, _) => u32::MAX,
             };
@@ -262,7 +263,8 @@ const SAME_PLACE: f64 = 0.4;
 const NEVER_APART: f64 = 0.2;
 /// Overlap, as a share of both together, of things that are the same.
 const SAME_SPACE: f64 = 0.45;
-/// Glimpses that are needed besides: they are much surer of a place together than one by one.
+/// Glimpses that are needed besides where no floor says how far off it is: they are much surer of a place together than one
+/// by one.
 const MORE_GLIMPSES: u32 = 2;
 /// Where there are too few glimpses to place an object, they are remembered for so long (s).
 const GLIMPSE_S: f64 = 60.0;

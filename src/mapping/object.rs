@@ -295,8 +295,10 @@ impl MapObject {
             self.ties.push(Tie::new(graph, TieFactor::Box(sides), Some(place.keyframe.pose)));
         }
         let support = observation.measured.as_ref().and_then(|measured| measured.support);
-        if let Some(plane) = support.filter(|_| settings.support) {
-            let plane = plane.transformed(&place.map_from_base(graph));
+        let support = support.map(|plane| plane.transformed(&place.map_from_base(graph)));
+        if is_glimpse {
+            self.stand_on(graph, support.filter(|_| self.glimpsed), settings)?;
+        } else if let Some(plane) = support.filter(|_| settings.support) {
             let factor =
                 SupportContact::new(self.variable, self.outline, plane, settings.support_sigma_m)?;
             let factor = TieFactor::Support(factor.with_kernel(settings.robust_kernel()));

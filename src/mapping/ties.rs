@@ -1,7 +1,7 @@
 //! Factors of an object besides its measurements by direction.
 
 use crate::{
-    geometry::Pose,
+    geometry::{Plane, Pose},
     graph::{
         BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Factor, FactorId, Graph,
         PoseId, SupportContact,
@@ -44,6 +44,14 @@ impl Tie {
             TieFactor::Support(factor) => factor,
             TieFactor::Measured(factor) => factor.as_ref(),
             TieFactor::Prior(factor) => factor.as_ref(),
+        }
+    }
+
+    /// The plane that it says the object to stand on.
+    pub(super) fn support(&self) -> Option<&Plane> {
+        match &self.factor {
+            TieFactor::Support(factor) => Some(factor.plane()),
+            _ => None,
         }
     }
 

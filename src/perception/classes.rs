@@ -20,6 +20,9 @@ pub struct ClassPrior {
     /// for a part of the support plane.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub foot: bool,
+    /// Whether they stand on the floor: where depth does not reach, the lower side of their boxes tells how far off they are.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub on_floor: bool,
     /// Whether other things stand on their top, which is a horizontal plane: they end there.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub carries: bool,
@@ -47,17 +50,18 @@ impl Classes {
 }
 
 impl Default for Classes {
-    /// The paper's six labels and the other classes of COCO (Lin et al. 2014).
+    /// The paper's six labels, the other classes of COCO (Lin et al. 2014), and cabinets, of which many detectors know.
     fn default() -> Self {
         let mut listed = BTreeMap::new();
         for (symmetry, outline, labels) in SHAPES {
             for label in *labels {
                 let legs = LEGS.contains(label);
                 let foot = FEET.contains(label);
+                let on_floor = legs || ON_FLOOR.contains(label);
                 let carries = CARRIERS.contains(label);
                 let size_m = SIZES.iter().find(|(name, _)| name == label).map(|(_, size)| *size);
                 let (symmetry, outline) = (*symmetry, *outline);
-                let prior = ClassPrior { symmetry, outline, legs, foot, carries, size_m };
+                let prior = ClassPrior { symmetry, outline, legs, foot, on_floor, carries, size_m };
                 listed.insert((*label).to_owned(), prior);
             }
         }
@@ -77,6 +81,7 @@ const SHAPES: &[(SymmetryType, Outline, &[&str])] = &[
             "bicycle",
             "boat",
             "bus",
+            "cabinet",
             "car",
             "chair",
             "couch",
@@ -169,6 +174,10 @@ const ROUNDED: Outline = Superquadric(0.5, 1.0);
 const LEGS: &[&str] = &["bed", "bench", "chair", "couch", "dining table"];
 
 const FEET: &[&str] = &["tv"];
+
+/// Besides what has legs.
+const ON_FLOOR: &[&str] =
+    &["cabinet", "oven", "potted plant", "refrigerator", "suitcase", "toilet"];
 
 const CARRIERS: &[&str] = &["bench", "dining table"];
 

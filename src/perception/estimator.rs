@@ -88,8 +88,9 @@ pub fn estimate_frame(
         let are_others = |p: &SurfacePoint| claims.are_others(at, p);
         estimates[at] = estimate(frame, &planes, detection, settings, &are_others, observer);
     }
+    let seen = (&planes[..], detections);
     let (objects, glimpses) = (detections.iter().zip(estimates))
-        .map(|(detection, estimate)| measured_or_glimpsed(frame, detection, estimate, settings))
+        .map(|of_box| measured_or_glimpsed(frame, of_box, seen, settings))
         .unzip();
     FrameEstimate { planes, objects, glimpses }
 }
@@ -97,15 +98,13 @@ pub fn estimate_frame(
 /// A box without a measurement has a glimpse; if the measurement is vague, the glimpse says more.
 fn measured_or_glimpsed(
     frame: &Frame<'_>,
-    detection: &Detection,
-    estimate: Result<Estimate<'_>, Refused>,
+    (detection, estimate): (&Detection, Result<Estimate<'_>, Refused>),
+    seen: (&[SupportPlane], &[Detection]),
     settings: &PerceptionSettings,
 ) -> (Result<EllipsoidMeasurement, Refused>, Option<Glimpse>) {
     let is_vague = estimate.as_ref().map_or(true, |estimate| estimate.is_vague);
     let wanted = settings.glimpses && is_vague;
-    let glimpse = wanted
-        .then(|| glimpse(frame, detection, &settings.classes, settings.segmentation.max_range_m))
-        .flatten();
+    let glimpse = wanted.then(|| glimpse(frame, detection, seen, settings)).flatten();
     let measured = match estimate {
         Ok(_) if glimpse.is_some() => Err(Refused::TooLittleSeen { known: 0 }),
         estimate => estimate.map(|estimate| estimate.measurement),

@@ -1,8 +1,8 @@
 //! What a box says where depth does not suffice for a measurement: a direction, and how far off something of its class
 //! would be that looks so large.
 
-use super::{Classes, Detection, Frame};
-use crate::geometry::{Camera, Ellipsoid, Pose, Rect};
+use super::{Detection, Frame, PerceptionSettings, SupportPlane};
+use crate::geometry::{Camera, Ellipsoid, Plane, Pose, Rect};
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
 /// An object of which one frame shows hardly more than the direction. From several places, such views tell where it is.
@@ -22,13 +22,22 @@ pub struct Glimpse {
     /// nearer is beside the box, which hides the object's own end. Nothing where the image cuts it, and of what is not out of
     /// the depth camera's reach.
     pub hidden_px: [Option<f64>; 4],
+    /// The floor in the camera's optical frame, where something of this class stands on it and was seen down to it, or nothing
+    /// else than the sides of its box counts.
+    pub floor: Option<Plane>,
 }
 
 impl Glimpse {
     /// Of what is within the depth camera's reach and could not be measured, something else is in the box or hides a part
     /// of it: its sides count for no more than where the object is.
     fn by_itself(self) -> Self {
-        Self { depth_covariance: self.covariance, hidden_px: [None; 4], ..self }
+        let is_seen_to_floor = self.hidden_px[LOWER].is_some_and(|px| px < SIDE_SIGMA_PX);
+        Self {
+            depth_covariance: self.covariance,
+            hidden_px: [None; 4],
+            floor: self.floor.filter(|_| is_seen_to_floor),
+            ..self
+        }
     }
 }
 
@@ -47,21 +56,31 @@ pub struct UsualSize {
 ///
 /// Something of a class without a usual size is out of the depth camera's reach of `max_range_m` where nothing in the middle
 /// of the box is within it. Otherwise there is nothing: what hides a part of such an object is taken for it too easily.
+///
+/// `planes` and `detections` are all of the image, the latter with this one.
 pub fn glimpse(
     frame: &Frame<'_>,
     detection: &Detection,
-    classes: &Classes,
-    max_range_m: f64,
+    (planes, detections): (&[SupportPlane], &[Detection]),
+    settings: &PerceptionSettings,
 ) -> Option<Glimpse> {
     let rect = &detection.rect;
+    let max_range_m = settings.segmentation.max_range_m;
+    let prior = settings.classes.prior(detection.label());
+    let place = Surroundings {
+        frame,
+        rect: *rect,
+        floor: floor(planes).filter(|_| prior.on_floor),
+        others: detections.iter().map(|other| other.rect).filter(|other| other != rect).collect(),
+    };
     let ranges = readings(frame, rect);
     let read = lower_quartile(&ranges).map(Range::read);
-    match classes.prior(detection.label()).size_m {
+    match prior.size_m {
         Some(size_m) => {
             let seen = Apparent::new(frame, rect, &completed(rect, frame.camera(), size_m)?);
             let range = seen.range(read, size_m);
             let sigmas = [SIZE_SIGMA, PROPORTION_SIGMA];
-            let glimpse = seen.glimpse(frame, rect, (range, size_m, sigmas));
+            let glimpse = seen.glimpse(&place, (range, size_m, sigmas));
             let within = ranges.iter().filter(|range_m| **range_m <= max_range_m).count();
             let is_far = range.at_m > max_range_m;
             let is_beyond = within == 0 || is_far && MOSTLY * within < GRID * GRID;
@@ -76,7 +95,7 @@ pub fn glimpse(
             let across = seen.width * range.at_m / SEEN_WIDTH;
             let middle = (across * seen.height * range.at_m).sqrt();
             let size_m = [across.max(middle), across.min(middle), middle];
-            Some(seen.glimpse(frame, rect, (range, size_m, UNKNOWN_SIGMAS)))
+            Some(seen.glimpse(&place, (range, size_m, UNKNOWN_SIGMAS)))
         }
         None => None,
     }
@@ -180,8 +199,7 @@ impl Apparent {
 
     fn glimpse(
         &self,
-        frame: &Frame<'_>,
-        rect: &Rect,
+        place: &Surroundings<'_>,
         (range, usual, usual_sigmas): (Range, [f64; 3], [f64; 2]),
     ) -> Glimpse {
         let Range { at_m: range_m, sigma_m: range_sigma_m, .. } = range;
@@ -207,53 +225,116 @@ impl Apparent {
         (longer[7], longer[8]) = (1.0 / range_m, 1.0 / range_m);
         covariance += range_sigma_m * range_sigma_m * longer * longer.transpose();
         let aside = [sigma_y * sigma_y, sigma_x * sigma_x, sigma_y * sigma_y];
+        let hidden_px = place.hidden_px(range_m, 0.5 * usual[0]);
+        let beside_px = hidden_px[0].unwrap_or(0.0).max(hidden_px[2].unwrap_or(0.0));
+        // Of what goes on behind something on one side, the middle is half as far off.
+        let beside_m = 0.5 * beside_px * range_m / place.frame.camera().focal().0;
         let own = [
             TILT_SIGMA_RAD.powi(2),
             TILT_SIGMA_RAD.powi(2),
             HEADING_SIGMA_RAD.powi(2),
             aside[0],
-            aside[1],
+            aside[1] + beside_m * beside_m,
             aside[2],
             DEPTH_SIGMA.powi(2),
-            WIDTH_SIGMA.powi(2) + (sigma_x / semi_axes.y).powi(2),
+            WIDTH_SIGMA.powi(2) + (sigma_x.hypot(beside_m) / semi_axes.y).powi(2),
             HEIGHT_SIGMA.powi(2)
                 + (sigma_y / semi_axes.z).powi(2)
                 + (DEPTH_SIGMA * along * sine / up).powi(2),
         ];
         own.iter().enumerate().for_each(|(i, variance)| covariance[(i, i)] += variance);
+        let camera_from_level = place.frame.level_from_camera().inverse();
         Glimpse {
-            ellipsoid: in_level.transformed(&frame.level_from_camera().inverse()),
+            ellipsoid: in_level.transformed(&camera_from_level),
             covariance,
             depth_covariance: range.depth_covariance(&away),
             usual: UsualSize::new([along, usually_across, usual[2]], usual_sigmas),
-            hidden_px: hidden_px(frame, rect, range_m),
+            hidden_px,
+            floor: place.floor.map(|floor| floor.transformed(&camera_from_level)),
         }
     }
 }
 
-/// How far the object may reach out of each side of a box (px).
-fn hidden_px(frame: &Frame<'_>, rect: &Rect, range_m: f64) -> [Option<f64>; 4] {
-    let cut = cut_sides(rect, frame.camera(), PERHAPS_CUT_PX);
-    let (cx, cy) = rect.center();
-    let half = [0.5 * rect.width(), 0.5 * rect.height()];
-    std::array::from_fn(|side| {
+/// The lowest level plane of an image, in the level frame. The height below the camera counts and not the tilt: the floor is
+/// seen near the robot, and what is glimpsed is far off.
+fn floor(planes: &[SupportPlane]) -> Option<Plane> {
+    let below_m = planes.iter().map(|found| found.plane.offset / found.plane.normal.z);
+    let below_m = below_m.max_by(f64::total_cmp)?;
+    Some(Plane { normal: Vector3::z_axis(), offset: below_m })
+}
+
+/// A box and what is round it.
+struct Surroundings<'a> {
+    frame: &'a Frame<'a>,
+    rect: Rect,
+    /// In the level frame, if the object stands on it.
+    floor: Option<Plane>,
+    /// The image's other boxes.
+    others: Vec<Rect>,
+}
+
+impl Surroundings<'_> {
+    /// How far an object at a range, whose longer horizontal half is `long_m`, may reach out of each side of its box (px).
+    fn hidden_px(&self, range_m: f64, long_m: f64) -> [Option<f64>; 4] {
+        let Self { frame, rect, .. } = self;
+        let cut = cut_sides(rect, frame.camera(), PERHAPS_CUT_PX);
+        let long_px = 2.0 * long_m * frame.camera().focal().0 / range_m;
+        let large_px = rect.width().max(rect.height());
+        let mut hidden = [0.0; 4];
+        for (side, hidden) in hidden.iter_mut().enumerate() {
+            let (nearer, open) = self.beside(side, range_m);
+            // Of what the left or right border cuts, the image shows a part of the top and the bottom.
+            let is_hidden = HIDING * nearer > GRID
+                || side % 2 == 1 && (cut[0] || cut[2])
+                || side == LOWER && 2 * open <= GRID && self.is_behind_a_box();
+            // What is seen between two things may be the end of something long.
+            let most = if side % 2 == 0 { large_px.max(long_px) } else { large_px };
+            *hidden = if is_hidden { most } else { 0.0 };
+        }
+        if hidden[0] > 0.0 || hidden[2] > 0.0 {
+            // A slit shows some part of the object's foot, which may be its near or its far end.
+            let (u, _) = rect.center();
+            let down = frame.level_from_camera() * frame.camera().ray(u, rect.y_max);
+            let sine = (-down.z / down.norm()).max(0.0);
+            let foot_px = frame.camera().focal().1 * long_m * sine / range_m;
+            hidden[LOWER] = hidden[LOWER].max(foot_px);
+        }
+        std::array::from_fn(|side| (!cut[side]).then_some(hidden[side]))
+    }
+
+    /// At how many of some places along a side something nearer is beside it, and at how many there is nothing nearer.
+    fn beside(&self, side: usize, range_m: f64) -> (usize, usize) {
+        let (cx, cy) = self.rect.center();
+        let half = [0.5 * self.rect.width(), 0.5 * self.rect.height()];
         let along = side % 2;
         let sign = if side < 2 { -1.0 } else { 1.0 };
         let is_nearer = |out: f64, across: f64| {
             let (du, dv) = if along == 0 { (out, across) } else { (across, out) };
-            let seen = frame.point_in_level((cx + du).round() as i32, (cy + dv).round() as i32);
-            seen.is_some_and(|p| p.coords.norm() < NEARER * range_m)
+            let seen =
+                self.frame.point_in_level((cx + du).round() as i32, (cy + dv).round() as i32);
+            seen.map(|p| p.coords.norm() < NEARER * range_m)
         };
-        let nearer = (0..GRID).filter(|at| {
-            let across = half[1 - along] * (2.0 * (*at as f64 + 0.5) / GRID as f64 - 1.0);
-            BESIDE_PX.iter().any(|beside| is_nearer(sign * (half[along] + beside), across))
-        });
-        let nearer = nearer.count();
-        // Of what the left or right border cuts, the image shows a part of the top and the bottom.
-        let is_hidden = HIDING * nearer > GRID || along == 1 && (cut[0] || cut[2]);
-        let hidden = if is_hidden { 2.0 * half[0].max(half[1]) } else { 0.0 };
-        (!cut[side]).then_some(hidden)
-    })
+        let (mut nearer, mut open) = (0, 0);
+        for at in 0..GRID {
+            let across = half[1 - along] * (2.0 * (at as f64 + 0.5) / GRID as f64 - 1.0);
+            let seen = BESIDE_PX.map(|beside| is_nearer(sign * (half[along] + beside), across));
+            nearer += usize::from(seen.contains(&Some(true)));
+            open += usize::from(seen.contains(&Some(false)) && !seen.contains(&Some(true)));
+        }
+        (nearer, open)
+    }
+
+    /// Whether the lower side of a thing on the floor ends in the box of another one that reaches farther down, and so is
+    /// nearer: where depth does not reach, only this tells that its foot is hidden.
+    fn is_behind_a_box(&self) -> bool {
+        let (u, foot) = (self.rect.center().0, self.rect.y_max);
+        let hides = |other: &Rect| {
+            (other.x_min..other.x_max).contains(&u)
+                && other.y_min < foot + FOOT_PX
+                && other.y_max > foot + FOOT_PX
+        };
+        self.floor.is_some() && self.others.iter().any(hides)
+    }
 }
 
 /// A lower quartile of the ranges in the middle of a box (m), if they are enough to tell.
@@ -336,6 +417,10 @@ const UNKNOWN_SIGMAS: [f64; 2] = [0.6, 0.5];
 /// Where something out of the depth camera's reach is, as a share of that reach, and its standard deviation as a share of that.
 const BEYOND_REACH: f64 = 1.4;
 const BEYOND_REACH_SIGMA: f64 = 0.35;
+/// Of the left, upper, right and lower side.
+const LOWER: usize = 3;
+/// Lower sides that differ by less say not what is nearer (px).
+const FOOT_PX: f64 = 2.0;
 /// Depth is looked at so far beside a box (px): what is nearer than this share of the object's range
 const BESIDE_PX: [f64; 3] = [3.0, 7.0, 11.0];
 const NEARER: f64 = 0.8;

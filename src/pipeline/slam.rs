@@ -280,7 +280,7 @@ fn glimpsed(glimpse: &Glimpse, base_from_camera: &Pose) -> Measured {
         ellipsoid: glimpse.ellipsoid.transformed(base_from_camera),
         covariance: glimpse.covariance,
         probability: 0.0,
-        support: None,
+        support: glimpse.floor.map(|plane| plane.transformed(base_from_camera)),
         glimpse: Some(Hints { depth_covariance: glimpse.depth_covariance, usual: glimpse.usual }),
     }
 }

@@ -40,6 +40,11 @@ impl SupportContact {
         Self { variables: [ellipsoid.into()], ..self }
     }
 
+    /// The plane, in the map.
+    pub fn plane(&self) -> &Plane {
+        &self.plane
+    }
+
     /// The same with a robust kernel.
     pub fn with_kernel(self, kernel: Kernel) -> Self {
         Self { kernel, ..self }
