@@ -1,6 +1,6 @@
 //! What a box says where depth does not suffice.
 
-use super::estimate_with;
+use super::{estimate_all, estimate_with};
 use crate::scene::{Scene, View, camera, detection, looking, standing};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Rect},
@@ -14,6 +14,14 @@ use nalgebra::Vector3;
 fn without_readings() -> DepthImage {
     let (width, height) = (camera().width(), camera().height());
     DepthImage::new(width, height, vec![0.0; (width * height) as usize]).unwrap()
+}
+
+/// What a depth camera that reaches so far sees of it.
+fn within(view: &View, reach_m: f32) -> DepthImage {
+    let (width, height) = (camera().width(), camera().height());
+    let pixels = (0..height).flat_map(|v| (0..width).map(move |u| (u as i32, v as i32)));
+    let reading = |(u, v)| view.depth.at(u, v).filter(|depth| *depth < reach_m).unwrap_or(0.0);
+    DepthImage::new(width, height, pixels.map(reading).collect()).unwrap()
 }
 
 fn look(view: &View, label: &str, thing: usize) -> FrameEstimate {
@@ -140,6 +148,64 @@ fn what_is_nearer_beside_a_box_hides_where_the_object_ends() {
     let hidden = seen.glimpses[0].as_ref().unwrap().hidden_px;
     assert_eq!(hidden[..3], [Some(0.0); 3]);
     assert!(hidden[3].unwrap() >= upper.height(), "{hidden:?}");
+}
+
+#[test]
+fn what_stands_on_the_floor_brings_it_along() {
+    let (scene, thing) = far_refrigerator();
+    let mut view = scene.seen_from(&looking([0.0, 0.0, 1.0], 0.1, 5.0));
+    view.depth = within(&view, 4.0);
+    let floor = |label: &str| look(&view, label, thing).glimpses[0].clone().unwrap().floor;
+    let in_world = floor("refrigerator").unwrap().transformed(&view.world_from_camera);
+    // Where it stands, twice as far off as the floor was seen.
+    let foot = scene.thing(thing).pose.translation.vector - Vector3::z() * 0.85;
+    assert!(in_world.signed_distance(&foot.into()).abs() < 0.01, "{in_world:?}");
+    assert_eq!(floor("tv"), None, "televisions stand on something");
+}
+
+#[test]
+fn a_slit_shows_some_part_of_the_foot() {
+    let (mut scene, thing) = far_refrigerator();
+    let yaw = 0.25_f64.atan();
+    // Two walls half way, a tenth of a metre apart.
+    for side in [-1.0, 1.0] {
+        let (ahead, aside) = (4.0, 0.6 * side);
+        let (sin, cos) = yaw.sin_cos();
+        let center = [ahead * cos - aside * sin, ahead * sin + aside * cos, 1.0];
+        scene.add(standing(yaw, center, [0.05, 0.55, 1.0]));
+    }
+    let view = scene.seen_from(&looking([0.0, 0.0, 1.0], yaw, 5.0));
+    let hidden = |label: &str| {
+        look(&view, label, thing).glimpses[0].clone().unwrap().hidden_px.map(|px| px.unwrap())
+    };
+    let [left, upper, right, lower] = hidden("refrigerator");
+    // 0.7 m are 45 px at 8.2 m; the box is higher than that.
+    assert!(left.min(right) > 80.0 && upper == 0.0, "{left} {upper} {right}");
+    // Half of that, seen from 1 m above the floor: 525 * 0.35 * (1 / 8.2) / 8.2.
+    assert!((2.0..3.5).contains(&lower), "{lower} px");
+    // A couch that ends in the slit may reach 1.9 m to either side, and from its near to its far end.
+    let [couch_left, .., couch_lower] = hidden("couch");
+    assert!(couch_left > left && couch_lower > 2.0 * lower, "{couch_left} {couch_lower}");
+}
+
+#[test]
+fn out_of_reach_a_box_that_reaches_farther_down_hides_the_foot() {
+    let (scene, thing) = far_refrigerator();
+    let mut view = scene.seen_from(&looking([0.0, 0.0, 1.0], 0.1, 5.0));
+    view.depth = within(&view, 4.0);
+    let whole = view.box_around(thing);
+    let upper = Rect::new(whole.x_min, whole.y_min, whole.x_max, whole.center().1).unwrap();
+    let (u, v) = whole.center();
+    let couch = Rect::new(u - 90.0, v, u + 120.0, whole.y_max + 30.0).unwrap();
+    let lower = |boxes: &[Detection]| {
+        estimate_all(&view, boxes).glimpses[0].as_ref().unwrap().hidden_px[3].unwrap()
+    };
+    let refrigerator = detection("refrigerator", upper);
+    assert_eq!(lower(&[refrigerator.clone()]), 0.0);
+    let before_it = lower(&[refrigerator.clone(), detection("couch", couch)]);
+    assert!(before_it >= upper.height(), "{before_it} px");
+    let behind_it = Rect::new(u - 90.0, whole.y_min, u + 120.0, upper.y_max - 10.0).unwrap();
+    assert_eq!(lower(&[refrigerator, detection("couch", behind_it)]), 0.0);
 }
 
 #[test]
