@@ -41,7 +41,8 @@ impl MapObject {
         let joint = graph.covariance(&[pose.into(), self.variable.into()]);
         let place: SMatrix<f64, 3, 3> =
             by_both * joint.fixed_view::<15, 15>(0, 0) * by_both.transpose();
-        self.placed = place.symmetric_eigenvalues().max().sqrt() < PLACED_SIGMA_M;
+        let most_m = if self.stands() { STANDING_SIGMA_M } else { PLACED_SIGMA_M };
+        self.placed = place.symmetric_eigenvalues().max().sqrt() < most_m;
     }
 
     /// Begins the estimate anew at the range from `eye` that all its boxes fit best: descent on a robust cost does not come
@@ -149,4 +150,6 @@ const SURELY_BETTER: f64 = 1.0;
 const ANYWHERE: [f64; 9] = [10.0, 10.0, 1.0, 100.0, 100.0, 100.0, 0.0, 0.0, 0.0];
 
 /// Standard deviation of the place of an object from which there must be more than glimpses (m).
-const PLACED_SIGMA_M: f64 = 0.7;
+const PLACED_SIGMA_M: f64 = 0.6;
+/// The same where the floor says how far off it is: nothing of it is a guess from the usual size.
+const STANDING_SIGMA_M: f64 = 0.7;

@@ -227,7 +227,8 @@ impl Apparent {
         let aside = [sigma_y * sigma_y, sigma_x * sigma_x, sigma_y * sigma_y];
         let hidden_px = place.hidden_px(range_m, 0.5 * usual[0]);
         let beside_px = hidden_px[0].unwrap_or(0.0).max(hidden_px[2].unwrap_or(0.0));
-        // Of what goes on behind something on one side, the middle is half as far off.
+        // Of furniture that goes on behind something on one side, the middle is half as far off. Small things end there.
+        let beside_px = if place.floor.is_some() { beside_px } else { 0.0 };
         let beside_m = 0.5 * beside_px * range_m / place.frame.camera().focal().0;
         let own = [
             TILT_SIGMA_RAD.powi(2),
