@@ -201,7 +201,7 @@ fn out_of_reach_a_box_that_reaches_farther_down_hides_the_foot() {
         estimate_all(&view, boxes).glimpses[0].as_ref().unwrap().hidden_px[3].unwrap()
     };
     let refrigerator = detection("refrigerator", upper);
-    assert_eq!(lower(&[refrigerator.clone()]), 0.0);
+    assert_eq!(lower(std::slice::from_ref(&refrigerator)), 0.0);
     let before_it = lower(&[refrigerator.clone(), detection("couch", couch)]);
     assert!(before_it >= upper.height(), "{before_it} px");
     let behind_it = Rect::new(u - 90.0, whole.y_min, u + 120.0, upper.y_max - 10.0).unwrap();
