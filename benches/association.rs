@@ -62,6 +62,7 @@ fn sighting<'a>(row: usize, along: f64, camera: &'a Camera, depth: &'a DepthImag
         odom_from_base,
         odometry_covariance: None,
         observations: observations.collect(),
+        walls: Vec::new(),
         view: Some(View {
             base_from_camera,
             camera,

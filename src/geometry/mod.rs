@@ -15,6 +15,7 @@ mod plane;
 mod pose;
 mod rect;
 mod silhouette;
+mod wall;
 
 pub use camera::{Camera, CameraError, Distortion};
 pub use ellipsoid::{Ellipsoid, EllipsoidError};
@@ -27,3 +28,4 @@ pub use pose::{
 };
 pub use rect::Rect;
 pub use silhouette::{ImageSide, NEAR_M, Silhouette, Tangent};
+pub use wall::Wall;

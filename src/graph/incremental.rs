@@ -15,15 +15,15 @@
 //!   every step of Gauss-Newton, which outliers and poor initial values do not forgive.
 
 use super::{
-    EllipsoidId, Factor, PoseId, SolverSettings, Variable, VariableId, VariableIds,
+    EllipsoidId, Factor, PoseId, SolverSettings, Variable, VariableId, VariableIds, WallId,
     bayes_tree::BayesTree,
     node::{Node, Term},
     slots::{Slot, Slots},
 };
-use crate::geometry::{Ellipsoid, Pose};
+use crate::geometry::{Ellipsoid, Pose, Wall};
 use thiserror::Error;
 
-/// Poses and ellipsoids tied by factors, solved incrementally.
+/// Poses, ellipsoids and walls tied by factors, solved incrementally.
 ///
 /// Additions and removals are gathered and take effect together in [`Graph::update`]: all of them or, if they would
 /// leave a variable undetermined, none.
@@ -128,6 +128,13 @@ impl Graph {
         id
     }
 
+    /// Adds a wall; the next update needs factors that determine it.
+    pub fn add_wall(&mut self, initial: Wall) -> WallId {
+        let id = self.ids.next_wall();
+        self.stage(id.into(), Variable::Wall(initial));
+        id
+    }
+
     fn stage(&mut self, id: VariableId, initial: Variable) {
         self.staged.variables.push(id.0.index);
         if id.index() == self.nodes.len() {
@@ -194,10 +201,15 @@ impl Graph {
     /// # Panics
     /// When it was removed.
     pub fn ellipsoid(&self, id: EllipsoidId) -> Ellipsoid {
-        match self.node(id.into()).estimate {
-            Variable::Ellipsoid(ellipsoid) => ellipsoid,
-            Variable::Pose(_) => unreachable!("ids of ellipsoids are made for ellipsoids"),
-        }
+        *self.node(id.into()).estimate.known_ellipsoid()
+    }
+
+    /// The estimate of a wall.
+    ///
+    /// # Panics
+    /// When it was removed.
+    pub fn wall(&self, id: WallId) -> Wall {
+        *self.node(id.into()).estimate.known_wall()
     }
 
     /// Sum of the costs of all factors at the estimate: half the squared whitened residuals, less by robust kernels.

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 impl Graph {
     /// The joint covariance of some variables in the order given, of their tangents at the estimate: 6 rows for a pose,
-    /// 9 for an ellipsoid.
+    /// 9 for an ellipsoid, 2 for a wall.
     ///
     /// With `Λ = L Lᵀ` it is `Yᵀ Y` for `L Y = E`, where the columns of `E` pick the variables: `Y` has rows only on
     /// the way from their cliques to the root, so that the cost does not depend on the rest of the map. (Kaess and

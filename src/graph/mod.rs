@@ -1,4 +1,4 @@
-//! Nonlinear least squares over poses and ellipsoids: variables, noise, robust kernels, factors and an incremental
+//! Nonlinear least squares over poses, ellipsoids and walls: variables, noise, robust kernels, factors and an incremental
 //! solver.
 //!
 //! The graph knows numbers, not objects: which factors exist is decided elsewhere. Liao et al. 2020, section V.
@@ -29,11 +29,11 @@ pub use batch::{SolveReport, Stop};
 pub use factor::{Factor, Linearization};
 pub use factors::{
     BoxError, BoxObservation, BoxSide, EllipsoidObservation, EllipsoidPrior, PosePrior,
-    RelativePose, SupportContact, Upright,
+    RelativePose, RightAngle, SupportContact, Upright, WallObservation,
 };
 pub use incremental::{FactorId, Graph, Undetermined, UpdateReport};
 pub use kernel::Kernel;
 pub use noise::{Noise, NoiseError};
 pub use odometry_noise::{MotionModel, NotOdometry, StepSource, step_covariance};
 pub use settings::SolverSettings;
-pub use variable::{EllipsoidId, PoseId, Variable, VariableId, VariableIds};
+pub use variable::{Body, EllipsoidId, PoseId, Variable, VariableId, VariableIds, WallId};

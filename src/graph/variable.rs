@@ -1,8 +1,8 @@
-//! What is estimated: poses and ellipsoids, and the handles by which factors name them.
+//! What is estimated: poses, ellipsoids and walls, and the handles by which factors name them.
 
 use super::slots::{Slot, Slots};
-use crate::geometry::{self, Ellipsoid, Pose};
-use nalgebra::{DVector, SVector, Vector6};
+use crate::geometry::{self, Ellipsoid, Pose, Wall};
+use nalgebra::{DVector, SVector, Vector2, Vector6};
 
 /// Handle of a variable in a graph, never given out twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -22,6 +22,22 @@ pub struct PoseId(VariableId);
 /// Handle of an ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct EllipsoidId(VariableId);
+
+/// Handle of a wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct WallId(VariableId);
+
+/// What has a pose: poses themselves, and ellipsoids.
+pub trait Body: Into<VariableId> {}
+
+impl Body for PoseId {}
+impl Body for EllipsoidId {}
+
+impl From<WallId> for VariableId {
+    fn from(id: WallId) -> Self {
+        id.0
+    }
+}
 
 impl From<PoseId> for VariableId {
     fn from(id: PoseId) -> Self {
@@ -53,6 +69,11 @@ impl VariableIds {
         EllipsoidId(VariableId(self.slots.take()))
     }
 
+    /// A handle for a new wall.
+    pub fn next_wall(&mut self) -> WallId {
+        WallId(VariableId(self.slots.take()))
+    }
+
     /// Whether a handle was given out and its variable has not left since.
     pub(super) fn is_there(&self, id: VariableId) -> bool {
         self.slots.is_taken(id.0)
@@ -76,14 +97,17 @@ pub enum Variable {
     Pose(Pose),
     /// An object in the map. Tangent: `[rotation, translation, log semi-axes]`.
     Ellipsoid(Ellipsoid),
+    /// A wall of the map. Tangent: `[heading, distance]`.
+    Wall(Wall),
 }
 
 impl Variable {
-    /// Size of its tangent space: 6 or 9.
+    /// Size of its tangent space: 6, 9 or 2.
     pub fn dimension(&self) -> usize {
         match self {
             Self::Pose(_) => 6,
             Self::Ellipsoid(_) => 9,
+            Self::Wall(_) => 2,
         }
     }
 
@@ -100,6 +124,7 @@ impl Variable {
             Self::Ellipsoid(e) => {
                 Self::Ellipsoid(e.retract(&SVector::<f64, 9>::from_column_slice(delta)))
             }
+            Self::Wall(wall) => Self::Wall(wall.retract(&Vector2::from_column_slice(delta))),
         }
     }
 
@@ -115,6 +140,9 @@ impl Variable {
             (Self::Ellipsoid(from), Self::Ellipsoid(to)) => {
                 DVector::from_column_slice(from.local(to).as_slice())
             }
+            (Self::Wall(from), Self::Wall(to)) => {
+                DVector::from_column_slice(from.local(to).as_slice())
+            }
             _ => unreachable!("{self:?} and {other:?} are of different kinds"),
         }
     }
@@ -124,21 +152,27 @@ impl Variable {
         match self {
             Self::Pose(pose) => Self::Pose(new_from_old * pose),
             Self::Ellipsoid(e) => Self::Ellipsoid(e.transformed(new_from_old)),
+            Self::Wall(wall) => Self::Wall(wall.transformed(new_from_old)),
         }
     }
 
-    /// The pose of either kind.
+    /// The pose of a [`Body`].
+    ///
+    /// # Panics
+    /// When it is a wall.
     pub fn pose(&self) -> &Pose {
         match self {
             Self::Pose(pose) => pose,
             Self::Ellipsoid(ellipsoid) => &ellipsoid.pose,
+            // Only handles of bodies are taken for what needs a pose.
+            Self::Wall(wall) => unreachable!("a body's handle led to the wall {wall:?}"),
         }
     }
 
     /// The ellipsoid, if it is one.
     pub fn ellipsoid(&self) -> Option<&Ellipsoid> {
         match self {
-            Self::Pose(_) => None,
+            Self::Pose(_) | Self::Wall(_) => None,
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid),
         }
     }
@@ -147,8 +181,17 @@ impl Variable {
     pub(super) fn known_ellipsoid(&self) -> &Ellipsoid {
         match self {
             // An `EllipsoidId` names an ellipsoid: only `VariableIds` makes them.
-            Self::Pose(pose) => unreachable!("an ellipsoid's handle led to the pose {pose:?}"),
+            Self::Pose(_) | Self::Wall(_) => unreachable!("an ellipsoid's handle led to {self:?}"),
             Self::Ellipsoid(ellipsoid) => ellipsoid,
+        }
+    }
+
+    /// The wall behind a [`WallId`].
+    pub(super) fn known_wall(&self) -> &Wall {
+        match self {
+            Self::Wall(wall) => wall,
+            // As above.
+            Self::Pose(_) | Self::Ellipsoid(_) => unreachable!("a wall's handle led to {self:?}"),
         }
     }
 }

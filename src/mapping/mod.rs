@@ -25,6 +25,7 @@ mod slam_settings;
 mod ties;
 mod views;
 mod visibility;
+mod walls;
 
 pub use association::Association;
 pub use continuation::Continuation;
@@ -43,3 +44,4 @@ pub use relocalisation::{
 pub use saved::{SavedMap, SavedObject};
 pub use slam_settings::{BoxOutline, KernelShape, SlamSettings, Weighting};
 pub use visibility::View;
+pub use walls::WallSighting;

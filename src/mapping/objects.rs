@@ -2,16 +2,17 @@
 
 use super::{
     Association, GateSettings, LabelSettings, LifeSettings, MapObject, ObjectChange, ObjectId,
-    Observation, Sighting, SlamSettings,
+    Observation, Sighting, SlamSettings, WallSighting,
     association::{Associated, Decision, Evidence},
     gate::Step,
     initial::InitialViews,
     life::Departed,
     loop_closing::RECENT_KEYFRAMES,
     odometry::{Chain, Place},
+    walls::Walls,
 };
 use crate::{
-    geometry::Pose,
+    geometry::{Pose, Wall},
     graph::{Graph, PoseId},
     time::Stamp,
 };
@@ -55,6 +56,7 @@ pub struct ObjectMap {
     pub(super) slam: SlamSettings,
     pub(super) graph: Graph,
     pub(super) chain: Chain,
+    walls: Walls,
     pub(super) objects: Vec<MapObject>,
     /// What counted and has left its place.
     pub(super) departed: Vec<Departed>,
@@ -84,6 +86,7 @@ impl ObjectMap {
             slam,
             graph: Graph::new(slam.solver),
             chain: Chain::default(),
+            walls: Walls::default(),
             objects: Vec::new(),
             departed: Vec::new(),
             initial: BTreeMap::new(),
@@ -126,7 +129,7 @@ impl ObjectMap {
         sighting: &Sighting<'_>,
         before: &mut Vec<(usize, MapObject)>,
     ) -> Result<Joined, Box<dyn std::error::Error>> {
-        let known = self.objects.len();
+        let (known, keyframes) = (self.objects.len(), self.chain.count());
         let Sighting { stamp, odom_from_base, odometry_covariance, observations, .. } = sighting;
         let covariance = odometry_covariance.as_deref();
         let step = self.chain.step(&self.graph, odom_from_base, covariance, &self.slam);
@@ -138,6 +141,9 @@ impl ObjectMap {
         let mut loose: Vec<PoseId> = self.chain.last().into_iter().collect();
         let hints = (step.as_ref(), &self.slam);
         let place = self.chain.keyframe(&mut self.graph, at, covariance, hints)?;
+        let is_new = self.chain.count() > keyframes && self.slam.optimize_poses && self.slam.walls;
+        let walls: &[WallSighting] = if is_new { &sighting.walls } else { &[] };
+        let walls = self.walls.tie(&mut self.graph, (&place, step.as_ref()), walls, &self.slam)?;
         let map_from_base = place.map_from_base(&self.graph);
         let associated = self.associated(sighting, step, (place.keyframe.pose, &map_from_base));
         let mut found = Vec::with_capacity(observations.len());
@@ -164,6 +170,7 @@ impl ObjectMap {
         }
         self.graph.update()?;
         self.chain.forget(thinned);
+        loose.extend(self.walls.settle(walls));
         self.chain.note_loose(loose);
         self.refresh(found.iter().copied().flatten());
         for at in found.iter().copied().flatten() {
@@ -318,6 +325,11 @@ impl ObjectMap {
     /// Objects that count, in the order in which they were first seen.
     pub fn confirmed(&self) -> impl Iterator<Item = &MapObject> {
         self.objects.iter().filter(|object| object.counts())
+    }
+
+    /// Walls that poses are tied to, in the order in which they were first seen.
+    pub fn walls(&self) -> impl Iterator<Item = Wall> + '_ {
+        self.walls.all(&self.graph)
     }
 
     /// All objects, also those seen too seldom to count.

@@ -1,6 +1,6 @@
 //! What a keyframe brings to the map.
 
-use super::{BoxOutline, SlamSettings, View, odometry::Place};
+use super::{BoxOutline, SlamSettings, View, WallSighting, odometry::Place};
 use crate::{
     geometry::{Ellipsoid, Outline, Plane, Pose, Rect},
     graph::{BoxError, BoxObservation, BoxSide, EllipsoidId},
@@ -20,6 +20,8 @@ pub struct Sighting<'a> {
     pub odometry_covariance: Option<Box<[f64; 36]>>,
     /// One for each box of the detector. None at all means that it looked and found nothing.
     pub observations: Vec<Observation>,
+    /// Walls in sight.
+    pub walls: Vec<WallSighting>,
     /// The image, which tells what should have been seen; without it nothing is ever missed.
     pub view: Option<View<'a>>,
 }

@@ -25,6 +25,10 @@ pub struct SlamSettings {
     /// Whether, of round objects, those sides are used that are seen to be the object's silhouette. Depth cameras see
     /// neither handles nor leaves; which way a cup is turned is known from how wide its boxes are.
     pub silhouettes: bool,
+    /// Whether walls in sight hold the robot's heading and place.
+    pub walls: bool,
+    /// How exactly walls of a building are parallel or at right angles (deg); 0 where nobody knows.
+    pub right_angle_sigma_deg: f64,
     /// Standard deviation of a side of a box (px).
     pub box_sigma_px: f64,
     /// Besides, as a share of the box's width or height.
@@ -121,6 +125,8 @@ impl Default for SlamSettings {
             observations: true,
             boxes: false,
             silhouettes: true,
+            walls: true,
+            right_angle_sigma_deg: 0.5,
             box_sigma_px: 3.0,
             box_sigma_ratio: 0.02,
             box_border_px: 2.0,

@@ -2,10 +2,10 @@
 
 use super::{
     ClassPrior, Classes, Detection, EllipsoidMeasurement, Frame, Glimpse, Probability, Refused,
-    SupportPlane, SupportSettings, SymmetryPlane, SymmetryType,
+    SupportPlane, SupportSettings, SymmetryPlane, SymmetryType, WallSegment, WallSettings,
     claims::Claims,
     faces::Faces,
-    find_support_planes,
+    find_support_planes, find_walls,
     fit::{fit_ellipsoid, fit_probability},
     footprint::{Heading, heading_of_faces, heading_of_rectangle},
     glimpse,
@@ -23,6 +23,8 @@ use serde::{Deserialize, Serialize};
 pub struct PerceptionSettings {
     /// Support planes.
     pub support: SupportSettings,
+    /// Walls.
+    pub walls: WallSettings,
     /// Cutting out an object's points.
     pub segmentation: SegmentationSettings,
     /// Size and place from the points.
@@ -37,6 +39,7 @@ impl Default for PerceptionSettings {
     fn default() -> Self {
         Self {
             support: SupportSettings::default(),
+            walls: WallSettings::default(),
             segmentation: SegmentationSettings::default(),
             fit: FitModel::default(),
             glimpses: true,
@@ -61,6 +64,8 @@ pub enum FitModel {
 pub struct FrameEstimate {
     /// Support planes in the level frame, the one with most points first.
     pub planes: Vec<SupportPlane>,
+    /// Walls in sight.
+    pub walls: Vec<WallSegment>,
     /// For each detection, in order, a measurement or why not.
     pub objects: Vec<Result<EllipsoidMeasurement, Refused>>,
     /// For each detection without a measurement, what its box says by itself.
@@ -76,6 +81,8 @@ pub fn estimate_frame(
 ) -> FrameEstimate {
     observer.enter(Some(Stage::SupportPlanes));
     let planes = find_support_planes(frame, &settings.support);
+    observer.enter(Some(Stage::Walls));
+    let walls = find_walls(frame, settings.segmentation.max_range_m, &settings.walls);
     let everything = |_: &SurfacePoint| false;
     let mut estimates: Vec<_> = detections
         .iter()
@@ -91,7 +98,7 @@ pub fn estimate_frame(
     let (objects, glimpses) = (detections.iter().zip(estimates))
         .map(|(detection, estimate)| measured_or_glimpsed(frame, detection, estimate, settings))
         .unzip();
-    FrameEstimate { planes, objects, glimpses }
+    FrameEstimate { planes, walls, objects, glimpses }
 }
 
 /// A box without a measurement has a glimpse; if the measurement is vague, the glimpse says more.

@@ -28,6 +28,7 @@ mod support;
 mod symmetry;
 mod top;
 mod unseen;
+mod walls;
 
 pub use classes::{ClassPrior, Classes};
 pub use depth::{DepthError, DepthImage};
@@ -43,3 +44,4 @@ pub use side::Side;
 pub use stage::{Stage, StageObserver};
 pub use support::{SupportPlane, SupportSettings, find_support_planes};
 pub use symmetry::{SymmetryPlane, SymmetryType};
+pub use walls::{WallSegment, WallSettings, find_walls};

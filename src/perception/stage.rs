@@ -7,6 +7,8 @@ pub enum Stage {
     Registration,
     /// Finding support planes.
     SupportPlanes,
+    /// Finding walls.
+    Walls,
     /// Cutting out objects.
     Segmentation,
     /// Finding faces and headings.
@@ -21,9 +23,10 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in the order of the work.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Registration,
         Self::SupportPlanes,
+        Self::Walls,
         Self::Segmentation,
         Self::Faces,
         Self::Symmetry,
@@ -36,6 +39,7 @@ impl Stage {
         match self {
             Self::Registration => "registration",
             Self::SupportPlanes => "support_planes",
+            Self::Walls => "walls",
             Self::Segmentation => "segmentation",
             Self::Faces => "faces",
             Self::Symmetry => "symmetry",

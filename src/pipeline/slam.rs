@@ -9,9 +9,11 @@ use crate::{
     graph::BoxSide,
     mapping::{
         Continuation, Hints, MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation,
-        ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View,
+        ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View, WallSighting,
     },
-    perception::{Detection, EllipsoidMeasurement, Glimpse, Refused, Stage, StageObserver},
+    perception::{
+        Detection, EllipsoidMeasurement, Glimpse, Refused, Stage, StageObserver, WallSegment,
+    },
     time::Stamp,
 };
 use nalgebra::Matrix6;
@@ -55,6 +57,8 @@ pub struct Keyframe {
     pub boxes: Vec<BoxResult>,
     /// Heights of the support planes below the camera's position in the map (m).
     pub support_heights_m: Vec<f64>,
+    /// Walls in sight, in the camera frame.
+    pub walls: Vec<WallSegment>,
 }
 
 /// What came of one box.
@@ -229,6 +233,7 @@ impl ObjectSlam {
             odom_from_base: *odom_from_base,
             odometry_covariance,
             observations: seen.collect(),
+            walls: estimate.walls.iter().map(|w| wall_in_base(w, &base_from_camera)).collect(),
             view: Some(View {
                 base_from_camera,
                 camera: &camera,
@@ -252,7 +257,8 @@ impl ObjectSlam {
             .iter()
             .map(|p| camera_height_m - p.plane.offset / p.plane.normal.z)
             .collect();
-        Keyframe { stamp, map_from_camera, boxes, support_heights_m }
+        let walls = estimate.walls;
+        Keyframe { stamp, map_from_camera, boxes, support_heights_m, walls }
     }
 }
 
@@ -272,6 +278,15 @@ fn in_base(
     match usual_m {
         Some([long_m, short_m, _]) => measured.doubting_its_size(long_m.max(short_m)),
         None => measured,
+    }
+}
+
+fn wall_in_base(wall: &WallSegment, base_from_camera: &Pose) -> WallSighting {
+    WallSighting {
+        center: base_from_camera * wall.center,
+        normal: base_from_camera * wall.normal,
+        half_length_m: wall.half_length_m,
+        sigmas: [wall.heading_sigma, wall.distance_sigma_m],
     }
 }
 

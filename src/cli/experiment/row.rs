@@ -91,6 +91,12 @@ pub(super) const ROWS: &[Row] = &[
         change: |settings, _| settings.slam.kernel = KernelShape::Huber,
         output: Output::Map,
     },
+    Row {
+        key: "without-walls",
+        name: "ours, without walls",
+        change: |settings, _| settings.slam.walls = false,
+        output: Output::Map,
+    },
     Row { key: OURS, name: "ours", change: |_, _| (), output: Output::Map },
 ];
 

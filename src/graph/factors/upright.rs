@@ -1,6 +1,6 @@
 //! Things that stand upright.
 
-use crate::graph::{Factor, Linearization, NoiseError, Variable, VariableId};
+use crate::graph::{Body, Factor, Linearization, NoiseError, Variable, VariableId};
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 
 /// The z axis of an object or a pose points up in the map: `r` = horizontal part of `R e_z`, over sigma.
@@ -18,9 +18,9 @@ impl Upright {
     ///
     /// # Errors
     /// When sigma is not a positive number.
-    pub fn new(variable: impl Into<VariableId>, sigma_rad: f64) -> Result<Self, NoiseError> {
+    pub fn new(body: impl Body, sigma_rad: f64) -> Result<Self, NoiseError> {
         let inverse_sigma = NoiseError::inverse_of_sigma(0, sigma_rad)?;
-        Ok(Self { variables: [variable.into()], inverse_sigma })
+        Ok(Self { variables: [body.into()], inverse_sigma })
     }
 
     fn whitened(&self, at: &[Variable]) -> Vector2<f64> {

@@ -9,7 +9,7 @@ use crate::{
         std_msgs::ColorRGBA,
         visualization_msgs::{Marker, MarkerArray},
     },
-    perception::EllipsoidMeasurement,
+    perception::{EllipsoidMeasurement, WallSegment},
     pipeline::Keyframe,
     time::Stamp,
 };
@@ -71,7 +71,7 @@ pub fn deletion_markers(
     MarkerArray { markers: objects.into_iter().flat_map(delete).collect() }
 }
 
-/// What one image says, in the frame of the map: ellipsoids, the mirror planes that were used, and support planes.
+/// What one image says, in the frame of the map: ellipsoids, the mirror planes that were used, support planes and walls.
 /// It takes the place of what was shown of the image before.
 pub fn measurement_markers(keyframe: &Keyframe, frame_id: &str) -> MarkerArray {
     let mut markers = vec![Marker { action: Marker::DELETEALL, ..Marker::default() }];
@@ -89,6 +89,7 @@ pub fn measurement_markers(keyframe: &Keyframe, frame_id: &str) -> MarkerArray {
         let at = Point3::new(eye.x, eye.y, *height);
         sheet("support_planes", &at, UnitQuaternion::identity(), [3.0, 3.0, SHEET_M])
     }));
+    markers.extend(keyframe.walls.iter().map(|wall| wall_sheet(wall, &keyframe.map_from_camera)));
     for (id, marker) in (0..).zip(&mut markers) {
         (marker.header, marker.id) = (header(keyframe.stamp, frame_id), id);
     }
@@ -110,6 +111,14 @@ fn mirrors<'a>(
         let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw);
         sheet("symmetry", &at, turned, [SHEET_M, width, 2.2 * body.semi_axes.z])
     })
+}
+
+/// What is seen of a wall, as long as that is.
+fn wall_sheet(wall: &WallSegment, map_from_camera: &Pose) -> Marker {
+    let normal = map_from_camera * wall.normal;
+    let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, normal.y.atan2(normal.x));
+    let size = [SHEET_M, 2.0 * wall.half_length_m, WALL_HEIGHT_M];
+    sheet("walls", &(map_from_camera * wall.center), turned, size)
 }
 
 fn solid(ns: &str, kind: i32, body: &Ellipsoid, color: ColorRGBA) -> Marker {
@@ -163,3 +172,5 @@ pub fn color_of(label: &str) -> [f32; 3] {
 const TEXT_HEIGHT_M: f64 = 0.12;
 /// How thick a plane is drawn (m).
 const SHEET_M: f64 = 0.005;
+/// How high walls are drawn (m).
+const WALL_HEIGHT_M: f64 = 1.0;

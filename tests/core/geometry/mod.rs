@@ -9,8 +9,9 @@ mod plane;
 mod pose;
 mod rect;
 mod silhouette;
+mod wall;
 
-use ellipsoid_slam::geometry::{Ellipsoid, Plane, Pose};
+use ellipsoid_slam::geometry::{Ellipsoid, Plane, Pose, Wall};
 use nalgebra::{Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
@@ -39,6 +40,10 @@ pub(crate) fn directions() -> impl Strategy<Value = Unit<Vector3<f64>>> {
 
 pub(crate) fn planes() -> impl Strategy<Value = Plane> {
     (directions(), points()).prop_map(|(normal, point)| Plane::through(&point, normal))
+}
+
+pub(crate) fn walls() -> impl Strategy<Value = Wall> {
+    (-3.1..3.1, points()).prop_map(|(heading, point)| Wall { point: point.xy(), heading })
 }
 
 pub(crate) fn semi_axes() -> impl Strategy<Value = Vector3<f64>> {

@@ -1,17 +1,19 @@
 //! Every factor's derivative against central differences.
 
 use super::{assert_linearization, covariances, ids, outlines};
-use crate::geometry::{ellipsoids, planes, poses, vectors};
+use crate::geometry::{directions, ellipsoids, planes, points, poses, vectors, walls};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Pose},
     graph::{
-        BoxObservation, BoxSide, EllipsoidObservation, EllipsoidPrior, Noise, PosePrior,
-        RelativePose, SupportContact, Upright,
-        Variable::{Ellipsoid as Body, Pose as Place},
+        BoxObservation, BoxSide, EllipsoidObservation, EllipsoidPrior, Factor, Noise, PosePrior,
+        RelativePose, RightAngle, SupportContact, Upright,
+        Variable::{Ellipsoid as Body, Pose as Place, Wall as Side},
+        VariableIds, WallObservation,
     },
 };
-use nalgebra::{SVector, Translation3, Vector3};
+use nalgebra::{SVector, Translation3, Vector2, Vector3};
 use proptest::{array::uniform9, prelude::*};
+use std::f64::consts::FRAC_PI_2;
 
 /// Errors as estimates have them, and much larger ones.
 fn errors() -> impl Strategy<Value = SVector<f64, 9>> {
@@ -96,6 +98,27 @@ proptest! {
     fn support_contact(plane in planes(), body in ellipsoids(), outline in outlines()) {
         let factor = SupportContact::new(ids().2, outline, plane, 0.02).unwrap();
         assert_linearization(&factor, &[Body(body)]);
+    }
+
+    #[test]
+    fn wall_observation(
+        x in poses(), wall in walls(), center in points(), normal in directions(),
+    ) {
+        let mut ids = VariableIds::default();
+        let tied = (ids.next_pose(), ids.next_wall());
+        let seen = (center, normal.into_inner());
+        let factor = WallObservation::new(tied, seen, [0.01, 0.02]).unwrap();
+        assert_linearization(&factor, &[Place(x), Side(wall)]);
+    }
+
+    #[test]
+    fn right_angle(a in walls(), e in -0.9..0.9, shift in -2.0..2.0, quarters in -1_i8..3) {
+        let mut ids = VariableIds::default();
+        let factor = RightAngle::new(ids.next_wall(), ids.next_wall(), quarters, 0.01).unwrap();
+        let b = a.turned(f64::from(quarters) * FRAC_PI_2).retract(&Vector2::new(e, shift));
+        assert_linearization(&factor, &[Side(a), Side(b)]);
+        let (off, expected) = (factor.residual(&[Side(a), Side(b)])[0] * 0.01, e);
+        prop_assert!((off - expected).abs() < 1e-9, "{off} instead of {expected}");
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod relative_pose;
 mod solver;
 mod standing;
 mod variable;
+mod wall_observation;
 
 use ellipsoid_slam::{
     geometry::Outline,

@@ -1,4 +1,4 @@
-use crate::geometry::{ellipsoids, pose_distance, poses};
+use crate::geometry::{ellipsoids, pose_distance, poses, walls};
 use ellipsoid_slam::graph::{Variable, VariableId, VariableIds};
 use proptest::{array::uniform9, prelude::*};
 
@@ -7,10 +7,18 @@ fn pairs() -> impl Strategy<Value = (Variable, Variable)> {
         (poses(), poses()).prop_map(|(a, b)| (Variable::Pose(a), Variable::Pose(b))),
         (ellipsoids(), ellipsoids())
             .prop_map(|(a, b)| (Variable::Ellipsoid(a), Variable::Ellipsoid(b))),
+        // Opposite ways are half a turn apart, whichever way one turns.
+        (walls(), walls())
+            .prop_filter("opposite", |(a, b)| a.local(b).x.abs() < 3.0)
+            .prop_map(|(a, b)| (Variable::Wall(a), Variable::Wall(b))),
     ]
 }
 
 fn distance(a: &Variable, b: &Variable) -> f64 {
+    if let (Variable::Wall(a), Variable::Wall(b)) = (a, b) {
+        // As planes: a point may slide along its wall.
+        return (a.normal() - b.normal()).norm() + a.signed_distance(&b.point).abs();
+    }
     let size = |v: &Variable| v.ellipsoid().map_or(nalgebra::Vector3::zeros(), |e| e.semi_axes);
     pose_distance(a.pose(), b.pose()) + (size(a) - size(b)).norm()
 }
@@ -25,7 +33,12 @@ proptest! {
     #[test]
     fn steps_have_the_variables_dimension((a, b) in pairs()) {
         prop_assert_eq!(a.local(&b).len(), a.dimension());
-        prop_assert_eq!(a.dimension(), if a.ellipsoid().is_some() { 9 } else { 6 });
+        let expected = match a {
+            Variable::Pose(_) => 6,
+            Variable::Ellipsoid(_) => 9,
+            Variable::Wall(_) => 2,
+        };
+        prop_assert_eq!(a.dimension(), expected);
     }
 
     #[test]
@@ -55,7 +68,7 @@ proptest! {
 fn handles_are_never_given_out_twice() {
     let mut ids = VariableIds::default();
     let all: Vec<VariableId> =
-        vec![ids.next_pose().into(), ids.next_ellipsoid().into(), ids.next_pose().into()];
+        vec![ids.next_pose().into(), ids.next_ellipsoid().into(), ids.next_wall().into()];
     let places: Vec<usize> = all.iter().map(|id| id.index()).collect();
     assert_eq!(places, [0, 1, 2]);
 }

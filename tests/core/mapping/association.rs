@@ -185,6 +185,7 @@ fn what_comes_to_count_gets_the_measurements_that_its_neighbour_had_of_it() {
             odom_from_base: Pose::identity(),
             odometry_covariance: None,
             observations: vec![chair(0.0, 0.0), chair(0.7, 0.0)],
+            walls: Vec::new(),
             view: None,
         });
         assert_eq!(sighted.objects, [Some(ObjectId(1)), Some(ObjectId(2))]);
@@ -348,6 +349,7 @@ fn a_sighting_that_cannot_be_is_refused_and_nothing_is_lost() {
         odom_from_base: Pose::translation(0.5, 0.0, 0.0),
         odometry_covariance: None,
         observations: vec![chair(2.0, 0.0), exact],
+        walls: Vec::new(),
         view: None,
     });
     assert!(sighted.refused.unwrap().contains("positive definite"));

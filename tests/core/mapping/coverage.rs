@@ -98,6 +98,7 @@ fn drive(seed: u64, settings: SlamSettings, odometry_scale: f64) -> Held {
             odom_from_base: odom,
             odometry_covariance: Some(Box::new(absolute(&claimed))),
             observations,
+            walls: Vec::new(),
             view: None,
         });
         assert_eq!(sighted.refused, None);

@@ -59,6 +59,7 @@ fn long_drive(seed: u64, wrong: f64, slam: SlamSettings, count: usize) -> Drive 
             odom_from_base: odom,
             odometry_covariance: None,
             observations,
+            walls: Vec::new(),
             view: None,
         });
         assert_eq!(sighted.refused, None);

@@ -79,6 +79,7 @@ impl Room {
             odom_from_base,
             odometry_covariance: None,
             observations,
+            walls: Vec::new(),
             view: Some(View {
                 base_from_camera: base_from_camera(),
                 camera: &self.camera,

@@ -62,6 +62,7 @@ fn drive(
             odom_from_base: odom,
             odometry_covariance: None,
             observations,
+            walls: Vec::new(),
             view: None,
         });
         assert_eq!(sighted.refused, None);

@@ -9,6 +9,7 @@ mod loop_closing;
 mod merging;
 mod queries;
 mod relocalisation;
+mod walls;
 
 use crate::geometry::upright_pose;
 use ellipsoid_slam::{
@@ -162,6 +163,7 @@ fn observe_from(
         odom_from_base: *odom_from_base,
         odometry_covariance: None,
         observations,
+        walls: Vec::new(),
         view: None,
     });
     assert_eq!(sighted.refused, None);

@@ -9,6 +9,7 @@ mod registration;
 mod shapes;
 mod support;
 mod symmetry;
+mod walls;
 
 use crate::scene::{View, camera, detection};
 use ellipsoid_slam::{
