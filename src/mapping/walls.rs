@@ -46,7 +46,7 @@ struct MapWall {
     /// From where to where it has been seen, along the wall from its point (m).
     span: (f64, f64),
     /// By the square metre that it was seen from.
-    views: BTreeMap<(i64, i64), Vec<WallView>>,
+    views: BTreeMap<[i64; 2], Vec<WallView>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +61,7 @@ pub(super) struct Tied {
     /// The wall's place among all.
     at: usize,
     variable: WallId,
-    square: (i64, i64),
+    square: [i64; 2],
     span: (f64, f64),
     view: WallView,
     forgotten: Option<FactorId>,
@@ -81,8 +81,8 @@ struct Eye<'a> {
 }
 
 impl Walls {
-    /// Gives the graph a factor for each wall in sight of a new keyframe; [`Walls::settle`] has to follow when the update succeeds.
-    /// A wall that may be one of several, or is hardly where one of them is, is left out.
+    /// Gives the graph a factor for each wall in sight of a new keyframe; [`Walls::settle`] has to follow when the update
+    /// succeeds. A wall that may be one of several, or is hardly where one of them is, is left out.
     pub(super) fn tie(
         &self,
         graph: &mut Graph,
@@ -93,39 +93,33 @@ impl Walls {
         let map_from_base = place.map_from_base(graph);
         let mut tied: Vec<Tied> = Vec::new();
         for sighting in sightings {
-            let (seen, pose) = (sighting.in_map(&map_from_base), place.keyframe.pose);
+            let seen = sighting.in_map(&map_from_base);
             let eye = step.map(|step| Eye { graph, step, map_from_base });
             let found = eye.as_ref().map_or(Ok(Found::New), |eye| self.find(eye, sighting))?;
-            let (at, variable, wall) = match found {
+            let (at, variable) = match found {
                 Found::Unclear => continue,
                 Found::Known(at) if tied.iter().any(|t| t.at == at) => continue,
-                Found::Known(at) => {
-                    let variable = self.all[at].variable;
-                    (at, variable, graph.wall(variable))
-                }
+                Found::Known(at) => (at, self.all[at].variable),
                 Found::New => {
                     let square = eye.and_then(|eye| self.square_with(&eye, sighting, settings));
-                    let variable = graph.add_wall(seen);
-                    if let Some((other, quarters)) = square {
-                        let sigma = settings.right_angle_sigma_deg.to_radians();
-                        let angle = RightAngle::new(other, variable, quarters, sigma)?;
-                        graph.add_factor(angle.with_kernel(settings.robust_kernel()));
-                    }
                     let new = tied.iter().filter(|t| t.at >= self.all.len()).count();
-                    (self.all.len() + new, variable, seen)
+                    (self.all.len() + new, begin(graph, seen, square, settings)?)
                 }
             };
-            let factor = sighting.factor(pose, variable)?.with_kernel(settings.robust_kernel());
+            let wall = graph.wall(variable);
+            let factor = sighting.factor(place.keyframe.pose, variable)?;
+            let factor = graph.add_factor(factor.with_kernel(settings.robust_kernel()));
             let base = map_from_base.translation.vector.xy() - wall.point.coords;
-            let square = [wall.along(), wall.normal()].map(|d| (d.dot(&base) / SQUARE_M) as i64);
+            let square =
+                [wall.along(), wall.normal()].map(|d| (d.dot(&base) / SQUARE_M).floor() as i64);
             let middle = wall.along().dot(&(seen.point - wall.point));
             tied.push(Tied {
                 at,
                 variable,
-                square: square.into(),
+                square,
                 span: (middle - sighting.half_length_m, middle + sighting.half_length_m),
-                view: WallView { keyframe: place.keyframe, factor: graph.add_factor(factor) },
-                forgotten: self.least_needed(at, square.into()),
+                view: WallView { keyframe: place.keyframe, factor },
+                forgotten: self.least_needed(at, square),
             });
         }
         tied.iter().filter_map(|t| t.forgotten).for_each(|factor| graph.remove_factor(factor));
@@ -157,30 +151,24 @@ impl Walls {
 
     /// Which wall is seen.
     fn find(&self, eye: &Eye<'_>, sighting: &WallSighting) -> Result<Found, NoiseError> {
-        let mut best: Option<(f64, usize)> = None;
-        let mut second: Option<(f64, usize)> = None;
+        let seen = sighting.in_map(&eye.map_from_base);
+        let mut candidates: Vec<(f64, usize)> = Vec::new();
         for (at, wall) in self.all.iter().enumerate() {
-            let estimate = eye.graph.wall(wall.variable);
-            if !wall.may_be(&estimate, &sighting.in_map(&eye.map_from_base), sighting) {
-                continue;
-            }
-            let distance = eye.squared_distance(wall.variable, sighting)?;
-            if best.is_none_or(|(least, _)| distance < least) {
-                second = best.replace((distance, at));
-            } else if second.is_none_or(|(least, _)| distance < least) {
-                second = Some((distance, at));
+            if wall.may_be(&eye.graph.wall(wall.variable), &seen, sighting) {
+                let distance = eye.squared_distance(wall.variable, sighting)?;
+                candidates.extend(distance.filter(|d| *d < NEW_FROM).map(|d| (d, at)));
             }
         }
-        Ok(match (best, second) {
-            (Some((distance, _)), _) if distance > NEW_FROM => Found::New,
-            (Some((distance, _)), _) if distance > SAME_UP_TO => Found::Unclear,
-            (Some((first, at)), Some((other, rival)))
-                if other < first + AMBIGUITY && !self.are_one(eye, at, rival) =>
+        candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(match candidates[..] {
+            [] => Found::New,
+            [(least, _), ..] if least > SAME_UP_TO => Found::Unclear,
+            [(least, at), (next, rival), ..]
+                if next < least + AMBIGUITY && !self.are_one(eye, at, rival) =>
             {
                 Found::Unclear
             }
-            (Some((_, at)), _) => Found::Known(at),
-            (None, _) => Found::New,
+            [(_, at), ..] => Found::Known(at),
         })
     }
 
@@ -205,19 +193,38 @@ impl Walls {
             let turn = eye.graph.wall(wall.variable).local(&seen).x;
             let quarters = (turn / FRAC_PI_2).round();
             let off = turn - quarters * FRAC_PI_2;
-            let known = eye.heading_variance(wall.variable);
-            let gate = (known + sighting.sigmas[0].powi(2) + sigma * sigma).sqrt() * ANGLE_SIGMAS;
-            (off.abs() < gate.min(MAX_OFF_SQUARE_RAD)).then_some((wall.variable, quarters as i8))
+            let may_be = off.abs() < MAX_OFF_SQUARE_RAD;
+            let is_square = may_be && {
+                let variance = eye.heading_variance(wall.variable) + sighting.sigmas[0].powi(2);
+                off * off < (variance + sigma * sigma) * ANGLE_SIGMAS.powi(2)
+            };
+            is_square.then_some((wall.variable, quarters as i8))
         })
     }
 
     /// The view to forget for another one from the same square: as for objects, what is left is spread evenly over the
     /// whole drive.
-    fn least_needed(&self, at: usize, square: (i64, i64)) -> Option<FactorId> {
+    fn least_needed(&self, at: usize, square: [i64; 2]) -> Option<FactorId> {
         let views = self.all.get(at)?.views.get(&square)?;
         let least = views.iter().min_by_key(|view| view.keyframe.number.trailing_zeros())?;
         (views.len() >= MAX_SIMILAR).then_some(least.factor)
     }
+}
+
+/// A wall that is new, at right angles to another one where that is known.
+fn begin(
+    graph: &mut Graph,
+    seen: Wall,
+    square: Option<(WallId, i8)>,
+    settings: &SlamSettings,
+) -> Result<WallId, NoiseError> {
+    let variable = graph.add_wall(seen);
+    if let Some((other, quarters)) = square {
+        let sigma = settings.right_angle_sigma_deg.to_radians();
+        let angle = RightAngle::new(other, variable, quarters, sigma)?;
+        graph.add_factor(angle.with_kernel(settings.robust_kernel()));
+    }
+    Ok(variable)
 }
 
 /// Which wall of the map a sighting shows.
@@ -253,18 +260,25 @@ impl Eye<'_> {
         joint
     }
 
-    /// Mahalanobis' distance, squared.
-    fn squared_distance(&self, wall: WallId, sighting: &WallSighting) -> Result<f64, NoiseError> {
-        let Some(pose) = self.step.pose else { return Ok(f64::MAX) };
+    /// Mahalanobis' distance, squared; nothing where the robot is too lost for it to mean much: walls that are parallel are
+    /// apart by less, then.
+    fn squared_distance(
+        &self,
+        wall: WallId,
+        sighting: &WallSighting,
+    ) -> Result<Option<f64>, NoiseError> {
+        let Some(pose) = self.step.pose else { return Ok(None) };
         let sigmas = [sighting.sigmas[0].hypot(UNEVEN_RAD), sighting.sigmas[1].hypot(UNEVEN_M)];
         let factor = WallSighting { sigmas, ..*sighting }.factor(pose, wall)?;
         let at = [Variable::Pose(self.map_from_base), Variable::Wall(self.graph.wall(wall))];
         let linear = factor.linearize(&at);
         let spread = &linear.jacobian * self.joint(wall) * linear.jacobian.transpose()
             + DMatrix::identity(2, 2);
-        let residual: DVector<f64> = linear.residual;
-        let solved = spread.cholesky().map(|c| c.solve(&residual));
-        Ok(solved.map_or(f64::MAX, |solved| residual.dot(&solved)))
+        if spread[(1, 1)].sqrt() * sigmas[1] > LOST_M {
+            return Ok(None);
+        }
+        let solved = spread.cholesky().map(|c| c.solve(&linear.residual));
+        Ok(solved.map(|solved| linear.residual.dot(&solved)))
     }
 
     /// Of the angle between the robot and a wall (rad^2).
@@ -283,7 +297,9 @@ const UNEVEN_M: f64 = 0.03;
 /// Squared distances up to which it is the same wall, and from which on it is another one.
 const SAME_UP_TO: f64 = 12.0;
 const NEW_FROM: f64 = 30.0;
-/// By less than this the nearest must be nearer than the next one for nobody to know which it is.
+/// A robot whose distance from a wall is known no better than this does not know which wall it is: standard deviation (m).
+const LOST_M: f64 = 0.25;
+/// Where the nearest is nearer than the next one by less, nobody knows which it is.
 const AMBIGUITY: f64 = 6.0;
 /// Two walls of the map that differ by less are one (rad, m).
 const SAME_RAD: f64 = 0.03;

@@ -161,7 +161,49 @@ fn a_long_drive_does_not_make_the_graph_larger() {
         assert!(found.errors.0 < 0.1, "{:?}", found.errors);
         found.map.poses()
     };
-    let (eight, sixteen) = (laps(8), laps(16));
-    println!("{eight} poses after 8 laps, {sixteen} after 16");
-    assert!(sixteen < eight + eight / 8, "{eight} poses, then {sixteen}");
+    let (eight, sixteen, many) = (laps(8), laps(16), laps(32));
+    println!("{eight} poses after 8 laps, {sixteen} after 16, {many} after 32");
+    assert!(many < sixteen + sixteen / 4, "{sixteen} poses, then {many}");
+}
+
+/// Who has driven far without seeing anything does not know which of two parallel walls this is.
+#[test]
+fn a_robot_that_is_lost_takes_a_wall_for_new() {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut slam = SlamSettings::default();
+    slam.motion.position_m_per_m = 0.3;
+    let mut map = ObjectMap::new(MappingSettings::default(), slam);
+    let wall = |x: f64| Straight { from: Point2::new(x, -5.0), to: Point2::new(x, 5.0) };
+    let mut second = 0.0;
+    let mut look = |at: &Pose, walls: &[Straight]| {
+        let seen = walls.iter().filter_map(|wall| wall.seen_from(at, &mut rng)).collect();
+        second += 1.0;
+        let sighted = map.observe(&Sighting {
+            stamp: Stamp::from_secs(second),
+            odom_from_base: *at,
+            odometry_covariance: None,
+            observations: Vec::new(),
+            walls: seen,
+            view: None,
+        });
+        assert_eq!(sighted.refused, None);
+        let off = map.map_from_odom().translation.vector.norm();
+        (off, map.walls().count())
+    };
+    // Towards the nearer wall, then 20 m to and fro with eyes closed.
+    for step in 0..10 {
+        look(&upright_pose(0.0, Vector3::new(0.05 * f64::from(step), 0.0, 0.0)), &[wall(3.0)]);
+    }
+    for step in 0..200 {
+        let x = 0.45 - 0.1 * f64::from(if step < 100 { step } else { 200 - step });
+        look(&upright_pose(0.0, Vector3::new(x, 0.0, 0.0)), &[]);
+    }
+    // Now the nearer one is not in the way any more.
+    let (mut off, mut count) = (0.0, 0);
+    for step in 0..10 {
+        let at = upright_pose(0.0, Vector3::new(0.45 + 0.05 * f64::from(step), 0.0, 0.0));
+        (off, count) = look(&at, &[wall(3.35)]);
+    }
+    assert_eq!(count, 2);
+    assert!(off < 0.05, "pulled by {off} m");
 }
