@@ -17,17 +17,18 @@ pub enum Outline {
     Cuboid,
     /// Upright, with an elliptic footprint.
     Cylinder,
-    /// Anything between, by exponents `e1` (profile) and `e2` (footprint) in `(0, 1]`.
+    /// By exponents `e1` (profile) in `(0, 1]` and `e2` (footprint) in `(0, 2)`: anything between, and footprints
+    /// from the ellipse at 1 on towards the rhombus at 2.
     Superquadric(f64, f64),
 }
 
 impl Outline {
-    /// Whether its footprint is an ellipse.
+    /// Whether its footprint is an ellipse, or has points where its axes end: it has no vertical faces.
     pub fn is_round(self) -> bool {
         match self {
             Self::Ellipsoid | Self::Cylinder => true,
             Self::Cuboid => false,
-            Self::Superquadric(_, footprint) => footprint == 1.0,
+            Self::Superquadric(_, footprint) => footprint >= 1.0,
         }
     }
 

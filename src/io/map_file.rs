@@ -198,7 +198,7 @@ fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 8] {
     let probability = |p: &f64| (0.0..=1.0).contains(p);
     let stamps = [record.first_seen, record.last_seen];
     let exponents_fit = match record.outline {
-        Outline::Superquadric(e1, e2) => positive(&[e1, e2]) && e1 <= 1.0 && e2 <= 1.0,
+        Outline::Superquadric(e1, e2) => positive(&[e1, e2]) && e1 <= 1.0 && e2 < 2.0,
         Outline::Ellipsoid | Outline::Cuboid | Outline::Cylinder => true,
     };
     let in_order = near(&stamps, MAX_STAMP_S) && stamps[0] <= stamps[1];
@@ -213,7 +213,11 @@ fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 8] {
         (in_order, "first_seen", "has to be a time not after last_seen"),
         (near(&record.position, MAX_PLACE_M), "position", "has to be within 1000 km"),
         (sizes, "semi_axes", "have to be positive and at most 1 km"),
-        (exponents_fit, "outline", "has to have exponents above 0 and up to 1"),
+        (
+            exponents_fit,
+            "outline",
+            "has to have exponents above 0, of the profile up to 1 and of the footprint below 2",
+        ),
         (support, "support_height", "has to be within 1000 km"),
     ]
 }

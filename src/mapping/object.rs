@@ -289,7 +289,9 @@ impl MapObject {
         let is_glimpse = measured.is_some_and(|measured| measured.glimpse.is_some());
         if let Some(measured) = measured.filter(|_| !is_glimpse || self.glimpsed) {
             let glimpsed = sides.take_if(|_| is_glimpse);
-            forgotten = self.tie_measured(graph, (measured, glimpsed), place, settings)?;
+            let share = self.share_of_information(&observation.labels);
+            let measured = (measured, share);
+            forgotten = self.tie_measured(graph, measured, glimpsed, place, settings)?;
         }
         if let Some(sides) = sides.filter(|_| !is_glimpse || settings.boxes) {
             self.ties.push(Tie::new(graph, TieFactor::Box(sides), Some(place.keyframe.pose)));
@@ -307,10 +309,19 @@ impl MapObject {
         Ok(forgotten)
     }
 
+    /// Share of its information that a measurement with these labels has. Detectors take things for others now and then;
+    /// what such a measurement guesses, and what it takes for a known end, is what the other class is usually like.
+    fn share_of_information(&self, labels: &[(String, f64)]) -> f64 {
+        let Some((label, _)) = labels.first() else { return 1.0 };
+        let belief = self.belief.get(label).copied().unwrap_or_default();
+        if belief < UNLIKELY_CLASS { OTHER_CLASS_SHARE } else { 1.0 }
+    }
+
     fn tie_measured(
         &mut self,
         graph: &mut Graph,
-        (measured, sides): (&Measured, Option<BoxObservation>),
+        (measured, share): (&Measured, f64),
+        sides: Option<BoxObservation>,
         place: &Place,
         settings: &SlamSettings,
     ) -> Result<Vec<PoseId>, Box<dyn Error>> {
@@ -335,6 +346,7 @@ impl MapObject {
             self.ties.push(Tie::new(graph, factor, Some(place.keyframe.pose)));
             return Ok(Vec::new());
         }
+        let factor = factor.scaled(share)?;
         let mut forgotten = Vec::new();
         if measured.glimpse.is_none() {
             let in_map = ellipsoid.transformed(&graph.pose(place.keyframe.pose));
@@ -472,6 +484,10 @@ fn upright(ellipsoid: &Ellipsoid) -> Ellipsoid {
     }
 }
 
+/// An object whose class is less probable than this is hardly of it,
+const UNLIKELY_CLASS: f64 = 0.2;
+/// and a measurement made with what is known of that class has this share of its information.
+const OTHER_CLASS_SHARE: f64 = 0.05;
 /// A measurement is another object's if it is so much nearer to it.
 const NEARER: f64 = 0.4;
 /// A semi-axis that measurements disagree about must not shrink to nothing (rad, m, 1).

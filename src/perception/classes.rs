@@ -126,7 +126,7 @@ const SHAPES: &[(SymmetryType, Outline, &[&str])] = &[
             "tv",
         ],
     ),
-    (Plane, ROUNDED, &["cup"]),
+    (Plane, HANDLED, &["cup"]),
     (DualPlane, ROUNDED, &["bottle", "fire hydrant", "wine glass"]),
     (
         DualPlane,
@@ -170,6 +170,10 @@ const SHAPES: &[(SymmetryType, Outline, &[&str])] = &[
 /// Bottles have shoulders, cups and glasses are narrower at the foot: what is seen round them is less than a cylinder of
 /// their extents and more than an ellipsoid.
 const ROUNDED: Outline = Superquadric(0.5, 1.0);
+
+/// A handle reaches far along one axis, but not between the axes: seen from there, a cup is narrower than an ellipse of its
+/// extents. Of all exponents, this one fits a circle with a handle best.
+const HANDLED: Outline = Superquadric(0.5, 1.3);
 
 const LEGS: &[&str] = &["bed", "bench", "chair", "couch", "dining table"];
 

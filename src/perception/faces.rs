@@ -11,6 +11,7 @@ use super::{
     footprint::quantile,
     segmentation::{Segment, SurfacePoint},
     silhouette::BoxSide,
+    unseen::unseen_back_m,
 };
 use nalgebra::{Isometry3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 
@@ -139,7 +140,9 @@ impl Faces {
         let Some(size) = prior.size_m else { return };
         let usual = self.usual_extents_m(size);
         let ratios = [0, 1, 2].map(|axis| self.extent_m(axis) / usual[axis]);
-        let scale = ratios.into_iter().fold(0.0, f64::max).min(1.0);
+        // A wide screen has a deep foot; other things that are larger than usual may be two.
+        let most = if prior.foot { LARGEST_SCREEN } else { 1.0 };
+        let scale = ratios.into_iter().fold(0.0, f64::max).min(most);
         let is_thin = |axis: usize| ratios[axis] <= THIN_SHARE * scale;
         if needs_both && !(is_thin(0) && is_thin(1)) {
             return;
@@ -319,9 +322,13 @@ fn measure_face(
         }
         side => (side, 0.0),
     };
+    let back_m = match side {
+        Side::Seen => unseen_back_m(segment, &rim, outward, prior),
+        _ => 0.0,
+    };
     Face {
-        position_m: end.position_m + 0.5 * gap_m,
-        sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M).hypot(unseen_m).hypot(0.5 * gap_m),
+        position_m: end.position_m + 0.5 * gap_m + back_m,
+        sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M).hypot(unseen_m).hypot(0.5 * gap_m).hypot(back_m),
         side,
         guessed_m: 0.0,
     }
@@ -434,12 +441,14 @@ const MIN_FACING: f64 = 0.2;
 const BORDER_SHARE: f64 = 0.02;
 /// Things of a class are at least this share of their usual height.
 const USUAL_SHARE: f64 = 0.85;
+/// Screens are up to so much larger than the usual one.
+const LARGEST_SCREEN: f64 = 1.6;
 /// Below what was seen there is room for this share of the object.
 const UNSEEN_SHARE: f64 = 0.25;
 /// What is thinner than this share of the usual extent is not all of the object.
 const THIN_SHARE: f64 = 0.75;
 /// Cosine between the view and a face's outward direction from which on the face is turned away.
-const TURNED_AWAY: f64 = 0.3;
+pub(super) const TURNED_AWAY: f64 = 0.3;
 /// The same where nothing but the front was seen.
 const BARELY_TURNED_AWAY: f64 = 0.1;
 /// Things are symmetric to this share of their extent.

@@ -30,7 +30,8 @@ impl Faces {
         }
     }
 
-    /// Takes back what was guessed until the object stays in the box, wherever nothing hides what would be outside.
+    /// Takes back what was guessed until the object stays in the box, wherever nothing hides what would be outside. What
+    /// contradicts the box that much is no better known than by as much as was taken back.
     ///
     /// # Errors
     /// When the object does not stay in the box even so: it is not the one the detector means.
@@ -44,7 +45,9 @@ impl Faces {
         for kept in [1.0, 0.75, 0.5, 0.25, 0.0] {
             let mut faces = *self;
             for face in faces.faces.iter_mut().filter(|f| !f.side.is_known()) {
-                face.position_m -= (1.0 - kept) * face.guessed_m;
+                let taken_back_m = (1.0 - kept) * face.guessed_m;
+                face.position_m -= taken_back_m;
+                face.sigma_m = face.sigma_m.hypot(taken_back_m);
             }
             share = faces.share_outside(frame, segment, outline);
             if share < MAX_OUTSIDE {

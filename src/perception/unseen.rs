@@ -2,12 +2,15 @@
 
 use super::{
     ClassPrior, Side,
-    faces::{Face, Faces},
+    faces::{Face, Faces, TURNED_AWAY},
+    segmentation::{Segment, SurfacePoint},
 };
 use crate::geometry::Outline;
+use nalgebra::Vector3;
 
 impl Faces {
-    /// Depth cameras see nothing of handles and leaves: where something round ends is less sure than where its points do.
+    /// Depth cameras see nothing of handles and leaves: where something round ends is less sure than where its points do,
+    /// and the sides of its boxes tell more.
     pub(super) fn allow_for_handles(&mut self, outline: Outline) {
         if outline.is_round() {
             let unseen_m = HANDLE_SHARE * self.extent_m(0).max(self.extent_m(1));
@@ -33,7 +36,32 @@ impl Faces {
     }
 }
 
-/// Handles and leaves reach this much farther, as a share of the width.
-const HANDLE_SHARE: f64 = 0.1;
+/// From the front, a back rest looks like its front side: how far it goes on behind what was seen at the end of something
+/// that stands on legs (m). Where a seat or an arm rest leads to that end, it was seen.
+pub(super) fn unseen_back_m(
+    segment: &Segment<'_>,
+    rim: &[&SurfacePoint],
+    outward: &Vector3<f64>,
+    prior: &ClassPrior,
+) -> f64 {
+    let leads_there = |p: &&&SurfacePoint| p.normal.is_some_and(|n| n.dot(outward).abs() < ALONG);
+    let leading = || rim.iter().filter(leads_there).count() as f64;
+    let is_back = outward.z == 0.0 && outward.dot(&segment.direction()) > TURNED_AWAY;
+    let has_rest = prior.legs && !prior.carries;
+    if has_rest && is_back && leading() < LEADING_SHARE * rim.len() as f64 {
+        BACK_REST_M
+    } else {
+        0.0
+    }
+}
+
+/// Handles and leaves reach so much farther, as a share of the width: the handle of a cup a third.
+const HANDLE_SHARE: f64 = 0.4;
+/// Half of how thick back rests are, padded or not (m).
+const BACK_REST_M: f64 = 0.02;
+/// Cosine between a surface's normal and a direction along it.
+const ALONG: f64 = 0.5;
+/// A surface leads to an end that has at least this share of its points there.
+const LEADING_SHARE: f64 = 0.25;
 /// What is thinner than this share of the shorter usual extent is a sliver.
 const SLIVER_SHARE: f64 = 0.25;

@@ -47,13 +47,27 @@ fn every_field_is_read() {
     assert_eq!((chair.covariance[(2, 3)], chair.covariance[(8, 8)]), (0.0005, 0.09));
 }
 
+/// Whatever a class can have in the settings, a map with such an object can be read again.
+#[test]
+fn outlines_of_all_classes_are_read() {
+    for (label, prior) in &ellipsoid_slam::perception::Classes::default().listed {
+        let mut map = file();
+        map["objects"][1]["outline"] = serde_json::to_value(prior.outline).unwrap();
+        assert_eq!(
+            read_map(&map.to_string()).unwrap().objects[1].outline,
+            prior.outline,
+            "{label}"
+        );
+    }
+}
+
 #[test]
 fn what_cannot_be_is_refused_in_a_sentence() {
     let mut asymmetric = covariance();
     asymmetric[1] += 0.005;
     let mut indefinite = covariance();
     (indefinite[1], indefinite[9]) = (0.5, 0.5);
-    let cases: [(&str, Value, &str); 21] = [
+    let cases: [(&str, Value, &str); 23] = [
         ("/version", json!(2), "the map has version 2, this program reads version 1"),
         ("/objects/1/id", json!(3), "two objects have the id 3"),
         ("/objects/1/label", json!(""), "object 5: label"),
@@ -70,6 +84,8 @@ fn what_cannot_be_is_refused_in_a_sentence() {
         ("/objects/1/orientation", json!([0.0, 0.0, 0.0, 0.9]), "object 5: orientation"),
         ("/objects/1/semi_axes", json!([0.3, -0.2, 0.5]), "object 5: semi_axes"),
         ("/objects/1/outline", json!({"superquadric": [0.0, 1.0]}), "object 5: outline"),
+        ("/objects/1/outline", json!({"superquadric": [1.5, 1.0]}), "object 5: outline"),
+        ("/objects/1/outline", json!({"superquadric": [0.5, 2.0]}), "object 5: outline"),
         ("/objects/1/outline", json!("cone"), "not a map file"),
         ("/objects/1/support_height", json!("low"), "not a map file"),
         ("/objects/1/covariance", json!([1.0, 2.0]), "object 5: covariance"),

@@ -218,7 +218,7 @@ fn heading_clarity(outline: Outline, semi_axes: &Vector3<f64>) -> f64 {
     let roundness = match outline {
         Outline::Cuboid => 0.0,
         Outline::Ellipsoid | Outline::Cylinder => 1.0,
-        Outline::Superquadric(_, footprint) => footprint,
+        Outline::Superquadric(_, footprint) => footprint.min(1.0),
     };
     let (a, b) = (semi_axes.x.powi(2), semi_axes.y.powi(2));
     1.0 - roundness * (1.0 - (a - b).abs() / (a + b))

@@ -21,6 +21,11 @@ fn support_by_hand() {
             Outline::Superquadric(1.0, 0.5),
             (0.3_f64.powf(4.0 / 3.0) + 0.4_f64.powf(4.0 / 3.0)).powf(0.75).hypot(1.0),
         ),
+        // Towards the rhombus: 2 / (2 - 3/2) = 4.
+        (
+            Outline::Superquadric(1.0, 1.5),
+            (0.3_f64.powi(4) + 0.4_f64.powi(4)).powf(0.25).hypot(1.0),
+        ),
     ] {
         let support = outline.support(&direction, &semi_axes);
         assert!((support.reach - expected).abs() < 1e-12, "{outline:?}: {}", support.reach);
@@ -59,8 +64,9 @@ fn superquadrics_end_at_the_cuboid_and_at_the_cylinder() {
 }
 
 #[test]
-fn what_has_an_elliptic_footprint_is_round() {
-    let round = [Outline::Ellipsoid, Outline::Cylinder, Outline::Superquadric(0.5, 1.0)];
+fn what_has_no_vertical_faces_is_round() {
+    let [elliptic, pointed] = [1.0, 1.5].map(|footprint| Outline::Superquadric(0.5, footprint));
+    let round = [Outline::Ellipsoid, Outline::Cylinder, elliptic, pointed];
     assert!(round.iter().all(|outline| outline.is_round()));
     assert!(!Outline::Cuboid.is_round() && !Outline::Superquadric(1.0, 0.5).is_round());
 }

@@ -35,7 +35,7 @@ pub(crate) fn outlines() -> impl Strategy<Value = Outline> {
         Just(Outline::Ellipsoid),
         Just(Outline::Cuboid),
         Just(Outline::Cylinder),
-        (0.2..1.0, 0.2..1.0).prop_map(|(e1, e2)| Outline::Superquadric(e1, e2)),
+        (0.2..1.0, 0.2..1.8).prop_map(|(e1, e2)| Outline::Superquadric(e1, e2)),
     ]
 }
 

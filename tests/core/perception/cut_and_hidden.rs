@@ -1,8 +1,8 @@
 use super::{estimate_all, in_world, measure, size_sigmas};
 use crate::scene::{Scene, View, detection, looking, standing};
 use ellipsoid_slam::{
-    geometry::Rect,
-    perception::{EllipsoidMeasurement, Side},
+    geometry::{Outline, Rect},
+    perception::{Classes, EllipsoidMeasurement, Side},
 };
 use nalgebra::Vector3;
 
@@ -206,6 +206,117 @@ fn a_part_without_depth_readings_reaches_as_far_as_the_box() {
     assert!((top - 0.6 - HANDLE_M).abs() < 0.06, "{top}");
     let sigma = 2.0 * size_sigmas(&m).z;
     assert!(sigma > 0.02, "{sigma}");
+}
+
+/// Depth cameras see nothing of a handle, wherever it is.
+#[test]
+fn where_something_with_a_handle_ends_is_less_sure_than_where_its_points_do() {
+    let mut scene = Scene::with_floor();
+    let body = scene.add(standing(0.6, [1.2, 0.0, 0.1], [0.1, 0.1, 0.1]));
+    let view = scene.seen_from(&looking([0.0, 0.0, 1.0], 0.0, 35.0));
+    let sigma = |label: &str| size_sigmas(&measure(&view, label, body)).xy().min();
+    // A third of a width of 0.2 m, at one of two ends.
+    assert!(
+        sigma("suitcase") < 0.02 && sigma("cup") > 0.03,
+        "{} {}",
+        sigma("suitcase"),
+        sigma("cup")
+    );
+}
+
+/// A cup is as wide as its body but where its handle is. An outline that fits what is seen of it from all round has its
+/// extents.
+#[test]
+fn boxes_from_all_round_give_a_cup_its_handle() {
+    const RADIUS_MM: f64 = 42.0;
+    const HANDLE_MM: f64 = 30.0;
+    let extents_mm = |outline: Outline| {
+        let misfit = |[long_mm, short_mm, center_mm]: [f64; 3]| {
+            let semi_axes = Vector3::new(0.5 * long_mm, 0.5 * short_mm, 50.0);
+            let off = |degrees: usize| {
+                let (sin, cos) = (degrees as f64).to_radians().sin_cos();
+                let support = outline.support(&Vector3::new(cos, sin, 0.0), &semi_axes);
+                let reach_mm = center_mm * cos + support.reach;
+                (reach_mm - RADIUS_MM.max((RADIUS_MM + HANDLE_MM) * cos)).powi(2)
+            };
+            (0..360).step_by(10).map(off).sum::<f64>()
+        };
+        let steps = |from: usize, to: usize| (from..to).step_by(2).map(|mm| mm as f64);
+        let sizes = steps(100, 130).flat_map(|long| steps(70, 100).map(move |short| (long, short)));
+        let tries = sizes.flat_map(|(long, short)| steps(6, 20).map(move |c| [long, short, c]));
+        tries.min_by(|a, b| misfit(*a).total_cmp(&misfit(*b))).unwrap()
+    };
+    let (truth_mm, width_mm) = (2.0 * RADIUS_MM + HANDLE_MM, 2.0 * RADIUS_MM);
+    let cup = extents_mm(Classes::default().prior("cup").outline);
+    assert!((cup[0] - truth_mm).abs() <= 2.0 && (cup[1] - width_mm).abs() <= 2.0, "{cup:?}");
+    let ellipse = extents_mm(Outline::Superquadric(0.5, 1.0));
+    assert!(ellipse[0] < truth_mm && ellipse[1] < width_mm - 3.0, "{ellipse:?}");
+}
+
+/// Of the thin posts of a back rest hardly more than one side is seen, and that there is nothing behind: of what stands on
+/// legs, that is no end.
+#[test]
+fn a_back_rest_goes_on_behind_its_front_side() {
+    let mut scene = Scene::with_floor();
+    scene.add(standing(0.0, [2.4, 0.0, 0.44], [0.18, 0.2, 0.02]));
+    for y in [-0.2, 0.2] {
+        scene.add(standing(0.0, [2.6, y, 0.47], [0.02, 0.008, 0.47]));
+        scene.add(standing(0.0, [2.24, y, 0.22], [0.02, 0.02, 0.22]));
+    }
+    let view = scene.seen_from(&looking([0.0, -1.2, 1.0], 0.42, 12.0));
+    let parts = (1..6).map(|part| view.box_around(part));
+    let rect = parts.reduce(|a, b| Rect {
+        x_min: a.x_min.min(b.x_min),
+        y_min: a.y_min.min(b.y_min),
+        x_max: a.x_max.max(b.x_max),
+        y_max: a.y_max.max(b.y_max),
+    });
+    let back_m = |label: &str| {
+        let m = super::estimate_box(&view, label, rect.unwrap()).unwrap();
+        let back = face_towards(&m, &view, Vector3::x());
+        assert_eq!(m.sides[back], Side::Seen, "{label} {:?}", m.sides);
+        let center = view.world_from_camera * m.ellipsoid.center();
+        center.x + m.ellipsoid.semi_axes[back / 2]
+    };
+    let thicker_m = back_m("chair") - back_m("suitcase");
+    assert!((thicker_m - 0.02).abs() < 0.005, "{thicker_m}");
+}
+
+/// The foot of a screen that stands at eye level is hidden, and as deep as the screen is wide.
+#[test]
+fn a_wide_screen_has_a_deep_foot() {
+    let depth_m = |half_width_m: f64| {
+        let mut scene = Scene::with_floor();
+        let size = [0.02, half_width_m, 0.45 / 0.7 * half_width_m];
+        let screen = scene.add(standing(0.0, [2.2, 0.0, 1.0], size));
+        let view = scene.seen_from(&looking([0.0, 0.0, 1.0], 0.0, 0.0));
+        let m = measure(&view, "tv", screen);
+        2.0 * m.ellipsoid.semi_axes[face_towards(&m, &view, Vector3::x()) / 2]
+    };
+    // The usual one is 0.7 m wide and 0.2 m deep.
+    let (usual_m, wide_m) = (depth_m(0.35), depth_m(0.5));
+    assert!(
+        (usual_m - 0.2).abs() < 0.02 && (wide_m - 0.2 / 0.7).abs() < 0.02,
+        "{usual_m} {wide_m}"
+    );
+}
+
+/// A couch that ends behind something narrow is shorter than it was thought, if it is one: who guessed wrong by so much
+/// knows the end no better.
+#[test]
+fn a_guess_that_was_taken_back_was_no_good() {
+    let sigma_m = |pillar_half_m: f64| {
+        let mut scene = Scene::with_floor();
+        let couch = scene.add(standing(0.0, [3.0, 0.4, 0.4], [0.4, 0.5, 0.4]));
+        let pillar = [1.5, 0.1 - pillar_half_m, 0.8];
+        scene.add(standing(0.0, pillar, [0.02, pillar_half_m, 0.8]));
+        let view = scene.seen_from(&looking([0.0, 0.0, 1.2], 0.0, 10.0));
+        let m = measure(&view, "couch", couch);
+        let end = face_towards(&m, &view, -Vector3::y());
+        assert_eq!(m.sides[end], Side::Hidden, "{:?}", m.sides);
+        size_sigmas(&m)[end / 2]
+    };
+    assert!(sigma_m(0.05) > 1.1 * sigma_m(0.5), "{} {}", sigma_m(0.05), sigma_m(0.5));
 }
 
 /// A guess is as wrong in the next frame as in this one; a graph must not count it twice.
