@@ -18,6 +18,11 @@ pub(super) struct Company {
 }
 
 impl Company {
+    /// That of an object which an earlier run saw so often.
+    pub(super) fn remembered(observations: u32) -> Self {
+        Self { fitting: observations, ..Self::default() }
+    }
+
     /// Counts an image that shows the object.
     pub(super) fn see(&mut self, has_second_box: bool) {
         self.crowded =

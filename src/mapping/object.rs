@@ -137,7 +137,7 @@ impl MapObject {
             existence: Existence::remembered(saved.existence),
             glimpsed: false,
             placed: true,
-            company: Company::default(),
+            company: Company::remembered(saved.observations),
         })
     }
 
