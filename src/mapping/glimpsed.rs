@@ -1,16 +1,9 @@
 //! Objects of which there are only boxes without depth, until one is measured.
 
-use super::{
-    Hints, MapObject, Observation, SlamSettings,
-    ties::{Tie, TieFactor},
-    views::View,
-};
+use super::{Hints, MapObject, Observation, SlamSettings, ties::Tie, views::View};
 use crate::{
     geometry::{Ellipsoid, Plane, Pose, skew},
-    graph::{
-        EllipsoidId, EllipsoidPrior, Factor, Graph, Noise, NoiseError, PoseId, SupportContact,
-        Variable,
-    },
+    graph::{EllipsoidId, EllipsoidPrior, Factor, Graph, Noise, NoiseError, PoseId, Variable},
 };
 use nalgebra::{Point3, SMatrix, SVector};
 
@@ -96,10 +89,8 @@ impl MapObject {
             return Ok(());
         }
         self.remove_ties(graph, |tie| tie.support().is_some());
-        let contact =
-            SupportContact::new(self.variable, self.outline, floor, settings.support_sigma_m)?;
-        let contact = TieFactor::Support(contact.with_kernel(settings.robust_kernel()));
-        self.ties.push(Tie::new(graph, contact, None));
+        let to = (self.variable, self.outline);
+        self.ties.push(Tie::to_support(graph, to, floor, settings)?);
         Ok(())
     }
 

@@ -13,7 +13,7 @@ use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
     graph::{
         BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise,
-        NoiseError, PoseId, SupportContact, Upright,
+        NoiseError, PoseId, Upright,
     },
     time::Stamp,
 };
@@ -301,10 +301,7 @@ impl MapObject {
         if is_glimpse {
             self.stand_on(graph, support.filter(|_| self.glimpsed), settings)?;
         } else if let Some(plane) = support.filter(|_| settings.support) {
-            let factor =
-                SupportContact::new(self.variable, self.outline, plane, settings.support_sigma_m)?;
-            let factor = TieFactor::Support(factor.with_kernel(settings.robust_kernel()));
-            self.ties.push(Tie::new(graph, factor, None));
+            self.ties.push(Tie::to_support(graph, to, plane, settings)?);
         }
         Ok(forgotten)
     }

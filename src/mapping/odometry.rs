@@ -30,6 +30,14 @@ pub(super) struct KeyframeId {
     pub(super) number: usize,
 }
 
+impl KeyframeId {
+    /// How long what was seen from it is kept: as often as its number can be halved. What is left is spread evenly over the
+    /// whole drive, from the same keyframes for all objects and walls, so that few poses have to be kept.
+    pub(super) fn worth(self) -> u32 {
+        self.number.trailing_zeros()
+    }
+}
+
 /// Where the robot is, from a keyframe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {

@@ -1,10 +1,11 @@
 //! Factors of an object besides its measurements by direction.
 
+use super::SlamSettings;
 use crate::{
-    geometry::{Plane, Pose},
+    geometry::{Outline, Plane, Pose},
     graph::{
         BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Factor, FactorId, Graph,
-        PoseId, SupportContact,
+        NoiseError, PoseId, SupportContact,
     },
 };
 
@@ -36,6 +37,18 @@ impl Tie {
             TieFactor::Prior(factor) => graph.add_factor(factor.as_ref().clone()),
         };
         Self { factor, in_graph, pose }
+    }
+
+    /// That an object with this outline stands on a plane of the map.
+    pub(super) fn to_support(
+        graph: &mut Graph,
+        (object, outline): (EllipsoidId, Outline),
+        plane: Plane,
+        settings: &SlamSettings,
+    ) -> Result<Self, NoiseError> {
+        let factor = SupportContact::new(object, outline, plane, settings.support_sigma_m)?;
+        let factor = factor.with_kernel(settings.robust_kernel());
+        Ok(Self::new(graph, TieFactor::Support(factor), None))
     }
 
     pub(super) fn factor(&self) -> &dyn Factor {

@@ -122,12 +122,11 @@ impl Views {
 }
 
 /// The view to forget where there are too many: one of those that a keyframe has several of, otherwise the one whose
-/// keyframe's number can be halved least often. What is left is spread evenly over the whole drive, from the same
-/// keyframes for all objects, so that few poses have to be kept.
+/// keyframe is worth least.
 fn least_needed(views: &[View]) -> Option<usize> {
     let need = |view: &View| {
         let alike = views.iter().filter(|other| other.keyframe == view.keyframe).count();
-        (Reverse(alike), view.keyframe.number.trailing_zeros())
+        (Reverse(alike), view.keyframe.worth())
     };
     let least = (0..views.len()).min_by_key(|at| need(&views[*at]));
     least.filter(|_| views.len() == MAX_SIMILAR)

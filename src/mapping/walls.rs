@@ -95,13 +95,15 @@ impl Walls {
         for sighting in sightings {
             let seen = sighting.in_map(&map_from_base);
             let eye = step.map(|step| Eye { graph, step, map_from_base });
-            let found = eye.as_ref().map_or(Ok(Found::New), |eye| self.find(eye, sighting))?;
+            let found =
+                eye.as_ref().map_or(Ok(Found::New), |eye| self.find(eye, sighting, &seen))?;
             let (at, variable) = match found {
                 Found::Unclear => continue,
                 Found::Known(at) if tied.iter().any(|t| t.at == at) => continue,
                 Found::Known(at) => (at, self.all[at].variable),
                 Found::New => {
-                    let square = eye.and_then(|eye| self.square_with(&eye, sighting, settings));
+                    let square =
+                        eye.and_then(|eye| self.square_with(&eye, sighting, &seen, settings));
                     let new = tied.iter().filter(|t| t.at >= self.all.len()).count();
                     (self.all.len() + new, begin(graph, seen, square, settings)?)
                 }
@@ -150,11 +152,15 @@ impl Walls {
     }
 
     /// Which wall is seen.
-    fn find(&self, eye: &Eye<'_>, sighting: &WallSighting) -> Result<Found, NoiseError> {
-        let seen = sighting.in_map(&eye.map_from_base);
+    fn find(
+        &self,
+        eye: &Eye<'_>,
+        sighting: &WallSighting,
+        seen: &Wall,
+    ) -> Result<Found, NoiseError> {
         let mut candidates: Vec<(f64, usize)> = Vec::new();
         for (at, wall) in self.all.iter().enumerate() {
-            if wall.may_be(&eye.graph.wall(wall.variable), &seen, sighting) {
+            if wall.may_be(&eye.graph.wall(wall.variable), seen, sighting) {
                 let distance = eye.squared_distance(wall.variable, sighting)?;
                 candidates.extend(distance.filter(|d| *d < NEW_FROM).map(|d| (d, at)));
             }
@@ -185,12 +191,12 @@ impl Walls {
         &self,
         eye: &Eye<'_>,
         sighting: &WallSighting,
+        seen: &Wall,
         settings: &SlamSettings,
     ) -> Option<(WallId, i8)> {
         let sigma = settings.right_angle_sigma_deg.to_radians();
-        let seen = sighting.in_map(&eye.map_from_base);
         self.all.iter().filter(|_| sigma > 0.0).find_map(|wall| {
-            let turn = eye.graph.wall(wall.variable).local(&seen).x;
+            let turn = eye.graph.wall(wall.variable).local(seen).x;
             let quarters = (turn / FRAC_PI_2).round();
             let off = turn - quarters * FRAC_PI_2;
             let may_be = off.abs() < MAX_OFF_SQUARE_RAD;
@@ -202,11 +208,10 @@ impl Walls {
         })
     }
 
-    /// The view to forget for another one from the same square: as for objects, what is left is spread evenly over the
-    /// whole drive.
+    /// The view to forget for another one from the same square, where there are too many.
     fn least_needed(&self, at: usize, square: [i64; 2]) -> Option<FactorId> {
         let views = self.all.get(at)?.views.get(&square)?;
-        let least = views.iter().min_by_key(|view| view.keyframe.number.trailing_zeros())?;
+        let least = views.iter().min_by_key(|view| view.keyframe.worth())?;
         (views.len() >= MAX_SIMILAR).then_some(least.factor)
     }
 }

@@ -3,11 +3,12 @@
 //! They are landmarks for poses, as objects are, and there is nearly always one in sight. Planes as landmarks: Kaess
 //! 2015, Simultaneous localization and mapping with infinite planes; here gravity is known, so that two numbers are left.
 
-use super::{Frame, footprint::quantile};
+use super::{Frame, footprint::quantile, normal::rough_normal};
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// How walls are found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -107,6 +108,9 @@ pub fn find_walls(
     max_range_m: f64,
     settings: &WallSettings,
 ) -> Vec<WallSegment> {
+    if settings.max_walls == 0 {
+        return Vec::new();
+    }
     let mut samples = upright_samples(frame, max_range_m);
     let tops = topmost_readings(frame, max_range_m);
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
@@ -167,12 +171,8 @@ fn topmost_readings(frame: &Frame<'_>, max_range_m: f64) -> Vec<Option<Reading>>
 
 /// The normal seen from above, of a surface that is upright.
 fn upright_normal(frame: &Frame<'_>, (u, v): (i32, i32), step: i32) -> Option<Vector2<f64>> {
-    let across = frame.point_in_level(u + step, v)? - frame.point_in_level(u - step, v)?;
-    let down = frame.point_in_level(u, v + step)? - frame.point_in_level(u, v - step)?;
-    let normal = down.cross(&across).try_normalize(1e-9)?;
-    let here = frame.point_in_level(u, v)?;
-    let normal = if normal.dot(&here.coords) > 0.0 { -normal } else { normal };
-    if normal.z.abs() > MAX_RISE { None } else { normal.xy().try_normalize(1e-9) }
+    let normal = rough_normal(frame, u, v, step).filter(|n| n.z.abs() <= MAX_RISE)?;
+    normal.xy().try_normalize(1e-9)
 }
 
 /// RANSAC over lines through two points that agree with the normals.
@@ -234,30 +234,26 @@ fn reaches_up(
     tops: &[Option<Reading>],
     settings: &WallSettings,
 ) -> bool {
-    let is_own = |column: usize| own.iter().any(|s| s.reading.column == column);
-    let above = tops.iter().enumerate().filter(|(column, _)| is_own(*column));
-    let (mut columns, mut reached) = (0, 0);
-    for (_, top) in above {
-        let is_top = top.is_some_and(|top| line.is_near(&top, TOP_SIGMAS, settings));
-        (columns, reached) = (columns + 1, reached + usize::from(is_top));
-    }
-    3 * reached > 2 * columns
+    let columns: BTreeSet<usize> = own.iter().map(|s| s.reading.column).collect();
+    let is_top = |top: Reading| line.is_near(&top, TOP_SIGMAS, settings);
+    let reached = columns.iter().filter(|column| tops[**column].is_some_and(is_top)).count();
+    3 * reached > 2 * columns.len()
 }
 
 /// What is seen of a line, in the level frame, if it is enough for a wall.
 fn segment(line: &Line, own: &[&Sample], settings: &WallSettings) -> Option<WallSegment> {
     let along = line.along();
-    let mut places: Vec<f64> = own.iter().map(|s| along.dot(&s.reading.at.coords.xy())).collect();
+    let places: Vec<f64> = own.iter().map(|s| along.dot(&s.reading.at.coords.xy())).collect();
+    let mut sorted = places.clone();
     let mut heights: Vec<f64> = own.iter().map(|s| s.reading.at.z).collect();
-    let ends = (quantile(&mut places, 0.02), quantile(&mut places, 0.98));
+    let ends = (quantile(&mut sorted, 0.02), quantile(&mut sorted, 0.98));
     let rise_m = quantile(&mut heights, 0.95) - quantile(&mut heights, 0.05);
     let length_m = ends.1 - ends.0;
     if length_m < settings.min_length_m || rise_m < MIN_RISE_M {
         return None;
     }
     let (mut weight, mut moment, mut second) = (0.0, 0.0, 0.0);
-    for (sample, place) in own.iter().zip(own.iter().map(|s| along.dot(&s.reading.at.coords.xy())))
-    {
+    for (sample, place) in own.iter().zip(places) {
         let w = 1.0 / line.variance(&sample.reading, settings);
         weight += w;
         moment += w * place;
