@@ -4,15 +4,19 @@ use super::eval::Evaluation;
 use crate::eval::{Calibration, Match, ObjectScores, Statistics, TrajectoryScores};
 use std::fmt::Write;
 
-/// A line for each true object that counts and for each false one.
+/// A heading, and a line for each true object that counts and for each false one.
 pub(super) fn csv(scores: &ObjectScores) -> String {
-    let mut text = String::from(
-        "true_id,true_label,id,label,translation_m,rotation_deg,shape,paper_shape,iou,nees,nees_dimensions,duplicate_of\n",
-    );
-    let mut line = |cells: &[String]| {
-        text.push_str(&cells.join(","));
-        text.push('\n');
-    };
+    let lines = csv_lines(scores).into_iter().map(|line| line + "\n");
+    format!("{CSV_HEADING}\n{}", lines.collect::<String>())
+}
+
+/// The names of the columns of [`csv_lines`].
+pub(super) const CSV_HEADING: &str = "true_id,true_label,id,label,translation_m,rotation_deg,shape,paper_shape,iou,nees,nees_dimensions,duplicate_of";
+
+/// A line for each true object that counts and for each false one.
+pub(super) fn csv_lines(scores: &ObjectScores) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut line = |cells: &[String]| lines.push(cells.join(","));
     let blank = String::new;
     for m in &scores.matches {
         let mut cells =
@@ -37,7 +41,7 @@ pub(super) fn csv(scores: &ObjectScores) -> String {
         cells.push(f.duplicate_of.map(|id| id.to_string()).unwrap_or_default());
         line(&cells);
     }
-    text
+    lines
 }
 
 const CSV_COLUMNS: usize = 12;

@@ -29,7 +29,7 @@ pub use batch::{SolveReport, Stop};
 pub use factor::{Factor, Linearization};
 pub use factors::{
     BoxError, BoxObservation, BoxSide, EllipsoidObservation, EllipsoidPrior, PosePrior,
-    RelativePose, RightAngle, SupportContact, Upright, WallObservation,
+    RelativePose, RightAngle, SizePrior, SupportContact, Upright, WallObservation,
 };
 pub use incremental::{FactorId, Graph, Undetermined, UpdateReport};
 pub use kernel::Kernel;

@@ -23,6 +23,7 @@ mod relocalisation;
 mod saved;
 mod slam_settings;
 mod ties;
+mod usual_size;
 mod views;
 mod visibility;
 mod walls;

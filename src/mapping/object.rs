@@ -289,8 +289,7 @@ impl MapObject {
         let is_glimpse = measured.is_some_and(|measured| measured.glimpse.is_some());
         if let Some(measured) = measured.filter(|_| !is_glimpse || self.glimpsed) {
             let glimpsed = sides.take_if(|_| is_glimpse);
-            let share = self.share_of_information(&observation.labels);
-            let measured = (measured, share);
+            let measured = (measured, &observation.labels[..]);
             forgotten = self.tie_measured(graph, measured, glimpsed, place, settings)?;
         }
         if let Some(sides) = sides.filter(|_| !is_glimpse || settings.boxes) {
@@ -317,7 +316,7 @@ impl MapObject {
     fn tie_measured(
         &mut self,
         graph: &mut Graph,
-        (measured, share): (&Measured, f64),
+        (measured, labels): (&Measured, &[(String, f64)]),
         sides: Option<BoxObservation>,
         place: &Place,
         settings: &SlamSettings,
@@ -343,7 +342,7 @@ impl MapObject {
             self.ties.push(Tie::new(graph, factor, Some(place.keyframe.pose)));
             return Ok(Vec::new());
         }
-        let factor = factor.scaled(share)?;
+        let factor = factor.scaled(self.share_of_information(labels))?;
         let mut forgotten = Vec::new();
         if measured.glimpse.is_none() {
             let in_map = ellipsoid.transformed(&graph.pose(place.keyframe.pose));
@@ -351,6 +350,7 @@ impl MapObject {
                 forgotten = self.begin_anew(graph, &in_map);
             }
             self.begin_anew_if_wrong(graph, &in_map);
+            self.expect_usual_size(graph, measured.usual_m, labels, settings)?;
         }
         let map_from_object = self.ellipsoid.pose;
         let view = View::new(place.keyframe, factor, sides);
@@ -398,6 +398,8 @@ impl MapObject {
         let views: Vec<View> = other.views.all().cloned().collect();
         other.views.take(graph, &views);
         forgotten.extend(self.views.join(graph, (self.variable, &place), views, settings)?);
+        let is_sized = self.ties.iter().any(Tie::tells_size);
+        other.remove_ties(graph, |tie| is_sized && tie.usual_m().is_some());
         self.ties.extend(other.ties.into_iter().map(|tie| tie.of(graph, self.variable)));
         self.forget_ties(graph, &forgotten);
         graph.remove_variable(other.variable);

@@ -90,6 +90,8 @@ pub struct Measured {
     pub probability: f64,
     /// The plane it stands on, in the frame of the base.
     pub support: Option<Plane>,
+    /// Extents (m) that things of its class usually have: the longer horizontal one, the shorter one, the height.
+    pub usual_m: Option<[f64; 3]>,
     /// What there is besides the box if it is hardly more than a direction: it counts for objects of which nothing better is
     /// known.
     pub glimpse: Option<Hints>,

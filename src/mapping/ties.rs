@@ -5,7 +5,7 @@ use crate::{
     geometry::{Outline, Plane, Pose},
     graph::{
         BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Factor, FactorId, Graph,
-        NoiseError, PoseId, SupportContact,
+        NoiseError, PoseId, SizePrior, SupportContact,
     },
 };
 
@@ -26,6 +26,8 @@ pub(super) enum TieFactor {
     Measured(Box<EllipsoidObservation>),
     /// What an earlier run knew.
     Prior(Box<EllipsoidPrior>),
+    /// What its class says, with the usual extents (m).
+    Size(SizePrior, [f64; 3]),
 }
 
 impl Tie {
@@ -35,6 +37,7 @@ impl Tie {
             TieFactor::Support(factor) => graph.add_factor(factor.clone()),
             TieFactor::Measured(factor) => graph.add_factor(factor.as_ref().clone()),
             TieFactor::Prior(factor) => graph.add_factor(factor.as_ref().clone()),
+            TieFactor::Size(factor, _) => graph.add_factor(factor.clone()),
         };
         Self { factor, in_graph, pose }
     }
@@ -57,6 +60,7 @@ impl Tie {
             TieFactor::Support(factor) => factor,
             TieFactor::Measured(factor) => factor.as_ref(),
             TieFactor::Prior(factor) => factor.as_ref(),
+            TieFactor::Size(factor, _) => factor,
         }
     }
 
@@ -68,6 +72,19 @@ impl Tie {
         }
     }
 
+    /// Extents (m) that things of its class usually have, if it says that.
+    pub(super) fn usual_m(&self) -> Option<[f64; 3]> {
+        match &self.factor {
+            TieFactor::Size(_, usual_m) => Some(*usual_m),
+            _ => None,
+        }
+    }
+
+    /// Whether it says without looking how large the object is.
+    pub(super) fn tells_size(&self) -> bool {
+        matches!(self.factor, TieFactor::Prior(_) | TieFactor::Size(..))
+    }
+
     /// The same for another object.
     pub(super) fn of(self, graph: &mut Graph, variable: EllipsoidId) -> Self {
         graph.remove_factor(self.in_graph);
@@ -76,6 +93,7 @@ impl Tie {
             TieFactor::Support(factor) => TieFactor::Support(factor.of(variable)),
             TieFactor::Measured(factor) => TieFactor::Measured(Box::new(factor.of(variable))),
             TieFactor::Prior(factor) => TieFactor::Prior(Box::new(factor.of(variable))),
+            TieFactor::Size(factor, usual_m) => TieFactor::Size(factor.of(variable), usual_m),
         };
         Self::new(graph, factor, self.pose)
     }
@@ -87,6 +105,7 @@ impl Tie {
             TieFactor::Support(factor) => factor.move_map(new_from_old),
             TieFactor::Measured(factor) => factor.move_map(new_from_old),
             TieFactor::Prior(factor) => factor.move_map(new_from_old),
+            TieFactor::Size(factor, _) => factor.move_map(new_from_old),
         }
     }
 }

@@ -2,8 +2,9 @@
 
 use super::{
     ClassPrior, Classes, Detection, EllipsoidMeasurement, Frame, Glimpse, Probability, Refused,
-    SupportPlane, SupportSettings, SymmetryPlane, SymmetryType, WallSegment, WallSettings,
+    Side, SupportPlane, SupportSettings, SymmetryPlane, SymmetryType, WallSegment, WallSettings,
     claims::Claims,
+    edges::heading_of_edges,
     faces::Faces,
     find_support_planes, find_walls,
     fit::{fit_ellipsoid, fit_probability},
@@ -83,17 +84,23 @@ pub fn estimate_frame(
     let planes = find_support_planes(frame, &settings.support);
     observer.enter(Some(Stage::Walls));
     let walls = find_walls(frame, settings.segmentation.max_range_m, &settings.walls);
+    let level_from_camera = frame.level_from_camera();
+    let walls_in_level: Vec<WallSegment> =
+        walls.iter().map(|wall| wall.transformed(&level_from_camera)).collect();
+    let scenery = Scenery { planes: &planes, walls: &walls_in_level };
     let everything = |_: &SurfacePoint| false;
     let mut estimates: Vec<_> = detections
         .iter()
-        .map(|detection| estimate(frame, &planes, detection, settings, &everything, observer))
+        .map(|detection| {
+            estimate_object(frame, scenery, detection, settings, &everything, observer)
+        })
         .collect();
     let boxes = detections.iter().zip(&estimates);
     let claims =
         Claims::new(frame, boxes.map(|(d, e)| (d.rect, e.as_ref().ok().map(|e| &e.segment))));
     for (at, detection) in detections.iter().enumerate().filter(|(at, _)| claims.contest(*at)) {
         let are_others = |p: &SurfacePoint| claims.are_others(at, p);
-        estimates[at] = estimate(frame, &planes, detection, settings, &are_others, observer);
+        estimates[at] = estimate_object(frame, scenery, detection, settings, &are_others, observer);
     }
     let seen = (&planes[..], detections);
     let (objects, glimpses) = (detections.iter().zip(estimates))
@@ -119,18 +126,11 @@ fn measured_or_glimpsed(
     (measured, glimpse)
 }
 
-/// Estimates the ellipsoid of one detected object.
-///
-/// # Errors
-/// The reason why this box gives no measurement.
-pub fn estimate_object(
-    frame: &Frame<'_>,
-    planes: &[SupportPlane],
-    detection: &Detection,
-    settings: &PerceptionSettings,
-    observer: &mut dyn StageObserver,
-) -> Result<EllipsoidMeasurement, Refused> {
-    estimate(frame, planes, detection, settings, &|_| false, observer).map(|e| e.measurement)
+/// What is around the objects of a frame, in the level frame.
+#[derive(Clone, Copy)]
+struct Scenery<'a> {
+    planes: &'a [SupportPlane],
+    walls: &'a [WallSegment],
 }
 
 /// A measurement and what it was made from.
@@ -141,10 +141,10 @@ struct Estimate<'a> {
     is_vague: bool,
 }
 
-/// The same without the points that are others'.
-fn estimate<'a>(
+/// Estimates the ellipsoid of one detected object, without the points that are others'; or the reason why its box gives none.
+fn estimate_object<'a>(
     frame: &Frame<'_>,
-    planes: &'a [SupportPlane],
+    scenery: Scenery<'a>,
     detection: &Detection,
     settings: &PerceptionSettings,
     are_others: &dyn Fn(&SurfacePoint) -> bool,
@@ -152,16 +152,12 @@ fn estimate<'a>(
 ) -> Result<Estimate<'a>, Refused> {
     observer.enter(Some(Stage::Segmentation));
     let prior = settings.classes.prior(detection.label());
-    let segment =
-        segment(frame, planes, &detection.rect, &prior, &settings.segmentation, are_others)?;
+    let (rect, planes) = (&detection.rect, scenery.planes);
+    let segment = segment(frame, planes, rect, &prior, &settings.segmentation, are_others)?;
+    let segment = Segment { walls: scenery.walls, ..segment };
     observer.enter(Some(Stage::Faces));
-    let heading = heading(&segment, &prior);
-    let mut faces = Faces::measure(frame, &segment, heading.yaw, &prior);
-    observer.enter(Some(Stage::Symmetry));
-    let symmetry = complete_by_symmetry(frame, &segment, prior.symmetry, &mut faces);
-    faces.stay_in_box(frame, &segment, prior.outline)?;
-    faces.reach_box(frame, &segment, &prior);
-    faces.allow_for_handles(prior.outline);
+    let heading = heading(frame, &segment, &prior);
+    let (faces, symmetry) = completed_faces(frame, &segment, &heading, &prior, observer)?;
     let known = faces.faces[..4].iter().filter(|f| f.side.is_known()).count();
     // Without a usual size there is nothing to guess from.
     let is_guess = prior.size_m.is_some_and(|size| !faces.is_sliver(size));
@@ -203,6 +199,38 @@ fn estimate<'a>(
     Ok(Estimate { measurement, segment, is_vague })
 }
 
+/// The six faces, and the mirror planes that told where some of them are. What is found out on the way (a mirror image, how far
+/// the box reaches) says more of what is still hidden, so that it is guessed again.
+fn completed_faces(
+    frame: &Frame<'_>,
+    segment: &Segment<'_>,
+    heading: &Heading,
+    prior: &ClassPrior,
+    observer: &mut dyn StageObserver,
+) -> Result<(Faces, Vec<SymmetryPlane>), Refused> {
+    let seen = Faces::measure(frame, segment, heading.yaw, prior);
+    let guessed = |known: &Faces| seen.knowing(known).guessed(frame, segment, prior);
+    let mut faces = guessed(&seen);
+    observer.enter(Some(Stage::Symmetry));
+    let symmetry = complete_by_symmetry(frame, segment, prior.symmetry, &mut faces);
+    if !symmetry.is_empty() {
+        faces = guessed(&faces);
+    }
+    faces.stay_in_box(frame, segment, prior.outline)?;
+    faces.reach_box(frame, segment, prior);
+    if faces.faces.iter().any(|face| face.side == Side::Outline) {
+        let mut again = guessed(&faces);
+        if again.stay_in_box(frame, segment, prior.outline).is_ok() {
+            faces = again;
+        }
+    }
+    if !prior.outline.is_round() {
+        faces.doubt_heading(heading.sigma);
+    }
+    faces.allow_for_handles(prior.outline);
+    Ok((faces, symmetry))
+}
+
 fn outline_of(fit: FitModel, outline: Outline) -> Outline {
     match fit {
         FitModel::Faces => outline,
@@ -211,7 +239,14 @@ fn outline_of(fit: FitModel, outline: Outline) -> Outline {
 }
 
 /// The object's heading: from its vertical faces if it has them, otherwise from its footprint.
-fn heading(segment: &Segment<'_>, prior: &ClassPrior) -> Heading {
+fn heading(frame: &Frame<'_>, segment: &Segment<'_>, prior: &ClassPrior) -> Heading {
+    if prior.carries {
+        let top = segment.widest(prior);
+        return heading_of_edges(frame, &top, segment.stride as i32).unwrap_or_else(|| {
+            let rectangle = heading_of_rectangle(&top);
+            Heading { sigma: rectangle.sigma.hypot(UNSEEN_EDGES_RAD), ..rectangle }
+        });
+    }
     let has_faces = !prior.outline.is_round();
     let of_faces = if has_faces { heading_of_faces(&segment.points) } else { None };
     of_faces.unwrap_or_else(|| heading_of_rectangle(&segment.widest(prior)))
@@ -227,7 +262,8 @@ fn yaw_sigma(heading: &Heading, faces: &Faces, outline: Outline) -> f64 {
         let telling = if is_seen { elongation } else { 0.0 };
         return (ROUND_SIGMA_RAD / telling.max(1e-3)).min(ANY_HEADING_RAD);
     }
-    heading.sigma.hypot(0.3 * (1.0 - elongation / 0.1).max(0.0))
+    let unclear = if heading.of_faces { 0.0 } else { 0.3 * (1.0 - elongation / 0.1).max(0.0) };
+    heading.sigma.hypot(unclear)
 }
 
 /// Looks for the mirror planes of the class and completes the faces they reveal.
@@ -290,6 +326,8 @@ const UNKNOWN_SYMMETRY: f64 = 0.5;
 const ROUND_SIGMA_RAD: f64 = 0.12;
 /// Standard deviation of a heading that may be anything within a quarter turn (rad).
 const ANY_HEADING_RAD: f64 = 0.5;
+/// How far a rectangle round what was seen of a top may be turned against it, where none of its own edges was seen (rad).
+const UNSEEN_EDGES_RAD: f64 = 0.3;
 const MAX_FIT_POINTS: usize = 400;
 /// Objects stand upright and gravity is known to about this much (rad).
 const TILT_SIGMA_RAD: f64 = 0.02;

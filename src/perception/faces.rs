@@ -8,7 +8,7 @@ use super::{
     ClassPrior, Frame, Side,
     beyond::{Beyond, what_lies_beyond},
     end::{Blur, end_of},
-    footprint::quantile,
+    footprint::{MIN_SIGMA_RAD, quantile},
     segmentation::{Segment, SurfacePoint},
     silhouette::BoxSide,
     unseen::unseen_back_m,
@@ -40,7 +40,7 @@ struct Usual {
 }
 
 impl Faces {
-    /// Finds the faces of a segment whose axes are turned by `yaw`.
+    /// Finds the faces of a segment whose axes are turned by `yaw`, as far as they were seen.
     pub(super) fn measure(
         frame: &Frame<'_>,
         segment: &Segment<'_>,
@@ -61,8 +61,30 @@ impl Faces {
         if !prior.carries && (hides_lower_part || is_cut) {
             out.allow_for_unseen_part(prior, !hides_lower_part);
         }
+        out
+    }
+
+    /// The same with guesses of what was not seen.
+    pub(super) fn guessed(
+        &self,
+        frame: &Frame<'_>,
+        segment: &Segment<'_>,
+        prior: &ClassPrior,
+    ) -> Self {
+        let mut out = *self;
         let room_m = out.room_m(frame, segment, prior);
         out.guess_what_is_hidden(prior, room_m);
+        out
+    }
+
+    /// The same with those faces that only `other` knows: mirror images, and what its box says.
+    pub(super) fn knowing(&self, other: &Self) -> Self {
+        let mut out = *self;
+        for (own, other) in out.faces.iter_mut().zip(&other.faces) {
+            if matches!(other.side, Side::Mirrored | Side::Outline) {
+                *own = *other;
+            }
+        }
         out
     }
 
@@ -102,6 +124,15 @@ impl Faces {
                     };
                 }
             }
+        }
+    }
+
+    /// Faces of a body that is turned differently are elsewhere: by as much as its width turns in or out.
+    pub(super) fn doubt_heading(&mut self, sigma: f64) {
+        let unsure = (sigma * sigma - MIN_SIGMA_RAD * MIN_SIGMA_RAD).max(0.0).sqrt();
+        let half_m = [0, 1].map(|axis| 0.5 * self.extent_m(axis));
+        for (i, face) in self.faces[..4].iter_mut().enumerate() {
+            face.sigma_m = face.sigma_m.hypot(unsure * half_m[1 - i / 2]);
         }
     }
 

@@ -10,6 +10,8 @@ pub(super) struct Heading {
     pub(super) yaw: f64,
     /// Standard deviation (rad).
     pub(super) sigma: f64,
+    /// Whether straight faces or edges tell it; otherwise a square has none.
+    pub(super) of_faces: bool,
 }
 
 /// Heading from the normals of vertical faces, which agree modulo a quarter turn on anything box-like.
@@ -53,7 +55,7 @@ pub(super) fn heading_of_faces(points: &[SurfacePoint]) -> Option<Heading> {
     // Neighbouring normals share pixels: about one in ten counts.
     let spread = (-2.0 * concentration.max(1e-3).ln()).max(0.0).sqrt() / 4.0;
     let sigma = spread / (0.1 * near as f64).max(1.0).sqrt();
-    Some(Heading { yaw, sigma: sigma.hypot(MIN_SIGMA_RAD) })
+    Some(Heading { yaw, sigma: sigma.hypot(MIN_SIGMA_RAD), of_faces: true })
 }
 
 /// Heading of the smallest rectangle around the footprint.
@@ -84,7 +86,8 @@ pub(super) fn heading_of_rectangle(points: &[SurfacePoint]) -> Heading {
     // A footprint whose rectangle hardly grows when it is turned says little about its heading.
     let worst = areas.iter().copied().fold(0.0, f64::max);
     let contrast = (1.0 - areas[best] / worst.max(1e-9)).clamp(0.0, 1.0);
-    Heading { yaw, sigma: (0.02 / contrast.max(0.02)).hypot(MIN_SIGMA_RAD).min(0.8) }
+    let sigma = (0.02 / contrast.max(0.02)).hypot(MIN_SIGMA_RAD).min(0.8);
+    Heading { yaw, sigma, of_faces: false }
 }
 
 /// The `share` quantile; reorders `values`.
@@ -107,4 +110,4 @@ const MIN_NORMALS: usize = 25;
 /// Spread of normals on one face, from depth noise (rad).
 const FACE_SPREAD_RAD: f64 = 0.2;
 /// No heading is better than this: handles, drawers and round edges (rad).
-const MIN_SIGMA_RAD: f64 = 0.02;
+pub(super) const MIN_SIGMA_RAD: f64 = 0.02;

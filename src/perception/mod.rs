@@ -1,6 +1,6 @@
 //! One RGB-D frame, no memory: from depth and a box to an ellipsoid with covariance, or the reason why not.
 //!
-//! Liao et al. 2020, section IV. [`estimate_object`] is the page that reads like the paper.
+//! Liao et al. 2020, section IV. [`estimate_frame`] is the page that reads like the paper.
 
 mod background;
 mod beyond;
@@ -10,6 +10,7 @@ mod classes;
 mod clustering;
 mod depth;
 mod detection;
+mod edges;
 mod end;
 mod estimator;
 mod faces;
@@ -20,6 +21,7 @@ mod glimpse;
 mod measurement;
 mod normal;
 mod registration;
+mod room;
 mod segmentation;
 mod side;
 mod silhouette;
@@ -33,7 +35,7 @@ mod walls;
 pub use classes::{ClassPrior, Classes};
 pub use depth::{DepthError, DepthImage};
 pub use detection::{Detection, DetectionError};
-pub use estimator::{FitModel, FrameEstimate, PerceptionSettings, estimate_frame, estimate_object};
+pub use estimator::{FitModel, FrameEstimate, PerceptionSettings, estimate_frame};
 pub use fit::{FitReport, fit_ellipsoid, fit_probability, residual, retract_upright};
 pub use frame::{DepthNoise, Frame, Rays, Sight};
 pub use glimpse::{Glimpse, UsualSize, glimpse};

@@ -3,7 +3,7 @@
 //! Liao et al. 2020, section IV-A, steps 1 to 4.
 
 use super::{
-    ClassPrior, Frame, Refused,
+    ClassPrior, Frame, Refused, WallSegment,
     background::without_wall,
     bounds::Bounds,
     clustering::euclidean_clusters,
@@ -82,6 +82,8 @@ impl SurfacePoint {
 pub(super) struct Segment<'a> {
     pub(super) points: Vec<SurfacePoint>,
     pub(super) support: Option<&'a SupportPlane>,
+    /// Walls in sight, in the level frame.
+    pub(super) walls: &'a [WallSegment],
     /// The detector's box, inside the image.
     pub(super) rect: Rect,
     /// The image.
@@ -193,6 +195,7 @@ pub(super) fn segment<'a>(
         stride,
         points,
         support,
+        walls: &[],
         rect: crop.rect,
         image: crop.image,
         agreement: overlap,

@@ -25,19 +25,4 @@ impl Side {
     pub fn is_known(self) -> bool {
         matches!(self, Side::Seen | Side::Support | Side::Mirrored | Side::Outline)
     }
-
-    /// Share of the variance of a face's position that views from nearly the same place have in common; the rest differs
-    /// from frame to frame. So n such views leave at least this share of one view's variance.
-    ///
-    /// Measured on simulated desks and homes: with r the ratio of the common to the random standard deviation, taken from
-    /// the differences of consecutive frames (medians), r^2 / (1 + r^2) with r = 1.7, 1.1, 2, 2.3 and 8.
-    pub fn common_share(self) -> f64 {
-        match self {
-            Side::Seen => 0.75,
-            Side::Support => 0.55,
-            Side::Mirrored => 0.8,
-            Side::Outline => 0.85,
-            Side::Cut | Side::Hidden => 0.98,
-        }
-    }
 }

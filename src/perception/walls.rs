@@ -4,6 +4,7 @@
 //! 2015, Simultaneous localization and mapping with infinite planes; here gravity is known, so that two numbers are left.
 
 use super::{Frame, footprint::quantile, normal::rough_normal};
+use crate::geometry::Pose;
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -43,6 +44,36 @@ pub struct WallSegment {
     pub heading_sigma: f64,
     /// Standard deviation of the distance at the middle (m).
     pub distance_sigma_m: f64,
+}
+
+impl WallSegment {
+    /// The same in frame `a`, given in frame `b`.
+    #[must_use]
+    pub fn transformed(&self, a_from_b: &Pose) -> Self {
+        Self { center: a_from_b * self.center, normal: a_from_b * self.normal, ..*self }
+    }
+
+    /// How far before the wall a point is (m).
+    pub(super) fn before_m(&self, point: &Point3<f64>) -> f64 {
+        (point - self.center).dot(&self.normal)
+    }
+
+    /// How far it is from a point to the wall along a horizontal unit vector (m), if that leads to what is seen of the wall, or
+    /// near it.
+    pub(super) fn distance_along_m(
+        &self,
+        from: &Point3<f64>,
+        direction: &Vector3<f64>,
+    ) -> Option<f64> {
+        let towards = -self.normal.dot(direction);
+        if towards < SAME_WAY_COSINE {
+            return None;
+        }
+        let distance_m = self.before_m(from) / towards;
+        let aside_m = (from + direction * distance_m - self.center).xy().norm();
+        (distance_m > -BEHIND_M && aside_m < self.half_length_m + NEAR_M)
+            .then_some(distance_m.max(0.0))
+    }
 }
 
 /// A sampled point of something upright.
@@ -301,3 +332,7 @@ const MIN_RISE_M: f64 = 0.4;
 /// Readings that are worth as much as one independent one: neighbours share errors of the sensor.
 const SHARED: f64 = 10.0;
 const SEED: u64 = 7;
+/// What is no farther behind a wall than this may stand against it (m).
+const BEHIND_M: f64 = 0.1;
+/// Walls go on for this much beyond what is seen of them (m).
+const NEAR_M: f64 = 0.6;

@@ -273,6 +273,7 @@ fn in_base(
         covariance: measurement.covariance,
         probability: measurement.probability.combined(),
         support: measurement.support.map(|plane| plane.transformed(base_from_camera)),
+        usual_m,
         glimpse: None,
     };
     match usual_m {
@@ -296,6 +297,7 @@ fn glimpsed(glimpse: &Glimpse, base_from_camera: &Pose) -> Measured {
         covariance: glimpse.covariance,
         probability: 0.0,
         support: glimpse.floor.map(|plane| plane.transformed(base_from_camera)),
+        usual_m: None,
         glimpse: Some(Hints { depth_covariance: glimpse.depth_covariance, usual: glimpse.usual }),
     }
 }

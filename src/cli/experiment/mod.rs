@@ -25,7 +25,11 @@ use self::{
     trial::Trial,
 };
 use crate::{
-    cli::{Failure, Outcome, recording::refuse_existing},
+    cli::{
+        Failure, Outcome,
+        eval_table::{CSV_HEADING, csv_lines},
+        recording::refuse_existing,
+    },
     io::write_atomically,
 };
 use anyhow::{Context, anyhow};
@@ -68,6 +72,9 @@ pub(super) struct Args {
     /// Print the results as JSON, too.
     #[arg(long)]
     json: bool,
+    /// Write a line an object of every trial, too, as `eval --csv` does.
+    #[arg(long, value_name = "FILE")]
+    objects: Option<PathBuf>,
     /// Write nothing; say which means lie outside the intervals of an earlier experiments.json.
     #[arg(long, value_name = "FILE", conflicts_with = "force")]
     check: Option<PathBuf>,
@@ -82,7 +89,15 @@ pub(super) fn run(args: &Args) -> Outcome {
             None
         }
     };
-    let results = run_all(args)?;
+    if let Some(file) = &args.objects {
+        refuse_existing(&[file], args.force)?;
+    }
+    let trials = run_all(args)?;
+    if let Some(file) = &args.objects {
+        write_atomically(file, objects_csv(&trials, args.first_seed).as_bytes())
+            .with_context(|| format!("cannot write {}", file.display()))?;
+    }
+    let results = results_of(trials, args);
     if args.json {
         say!("{}", results.json()?.trim_end());
     }
@@ -118,7 +133,7 @@ fn frames(args: &Args) -> Option<usize> {
 }
 
 /// Runs every case on every seed. A sequence is rendered once and kept while all its cases run on it.
-fn run_all(args: &Args) -> anyhow::Result<Results> {
+fn run_all(args: &Args) -> anyhow::Result<Trials> {
     let rows: Vec<&'static Row> =
         ROWS.iter().filter(|row| args.rows.is_empty() || is_asked_for(row, args)).collect();
     let plan = SEQUENCES.map(|sequence| {
@@ -132,7 +147,7 @@ fn run_all(args: &Args) -> anyhow::Result<Results> {
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg} {eta}") {
         progress.set_style(style);
     }
-    let mut trials: BTreeMap<String, (Case, Vec<Trial>)> = BTreeMap::new();
+    let mut trials = Trials::new();
     for seed in args.first_seed..args.first_seed + args.seeds {
         for (sequence, cases) in plan.iter().filter(|(_, cases)| !cases.is_empty()) {
             progress.set_message(format!("{}, seed {seed}", sequence.name));
@@ -151,12 +166,31 @@ fn run_all(args: &Args) -> anyhow::Result<Results> {
         }
     }
     progress.finish_and_clear();
+    Ok(trials)
+}
+
+/// By the key of the case, seed after seed.
+type Trials = BTreeMap<String, (Case, Vec<Trial>)>;
+
+fn results_of(trials: Trials, args: &Args) -> Results {
     let cells = trials.into_iter().map(|(key, (case, trials))| {
         let cell = Cell::of(&trials);
         (key, if case.has_curve() { cell } else { cell.without_curves() })
     });
-    let cells = cells.collect();
-    Ok(Results { seeds: args.seeds, frames: frames(args), cells })
+    Results { seeds: args.seeds, frames: frames(args), cells: cells.collect() }
+}
+
+/// A line an object of each trial that has a map.
+fn objects_csv(trials: &Trials, first_seed: u64) -> String {
+    let mut text = format!("case,seed,{CSV_HEADING}\n");
+    for (key, (_, trials)) in trials {
+        for (seed, trial) in (first_seed..).zip(trials) {
+            for line in trial.objects.iter().flat_map(csv_lines) {
+                text += &format!("{key},{seed},{line}\n");
+            }
+        }
+    }
+    text
 }
 
 /// Whether one is asked for, or nothing in particular is.

@@ -29,6 +29,8 @@ pub(super) struct Trial {
     pub(super) true_objects: usize,
     /// After one, two, … views of each object: [`CURVE_METRICS`], as means over the objects that count.
     pub(super) curve: Vec<[Option<f64>; 3]>,
+    /// Object by object; nothing where single measurements are what counts.
+    pub(super) objects: Option<ObjectScores>,
 }
 
 /// What curves show.
@@ -156,6 +158,7 @@ impl Record {
         if self.protocol.association == Association::Given {
             trial.curve = self.curve();
         }
+        trial.objects = Some(scores);
         trial
     }
 

@@ -6,7 +6,7 @@ use ellipsoid_slam::{
     geometry::{Ellipsoid, Pose},
     graph::{
         BoxObservation, BoxSide, EllipsoidObservation, EllipsoidPrior, Factor, Noise, PosePrior,
-        RelativePose, RightAngle, SupportContact, Upright,
+        RelativePose, RightAngle, SizePrior, SupportContact, Upright,
         Variable::{Ellipsoid as Body, Pose as Place, Wall as Side},
         VariableIds, WallObservation,
     },
@@ -48,6 +48,16 @@ proptest! {
         let factor = PosePrior::new(ids().0, prior, noise);
         let at = Place(prior).retract(&e.as_slice()[..6]);
         assert_linearization(&factor, &[at]);
+    }
+
+    /// Away from where the two names of the horizontal axes fit equally well: there the cost has a ridge.
+    #[test]
+    fn size_prior(body in ellipsoids(), long in 1.0..3.0f64, height in 0.2..2.0f64) {
+        let s = body.semi_axes;
+        prop_assume!((s.x / s.y).ln().abs() > 0.01);
+        let usual = Vector3::new(0.5 * long, 0.5, height);
+        let factor = SizePrior::new(ids().2, usual, [0.3, 0.2]).unwrap();
+        assert_linearization(&factor, &[Body(body)]);
     }
 
     #[test]

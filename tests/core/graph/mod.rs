@@ -7,6 +7,7 @@ mod kernel;
 mod noise;
 mod odometry_noise;
 mod relative_pose;
+mod size_prior;
 mod solver;
 mod standing;
 mod variable;

@@ -44,6 +44,7 @@ pub(crate) fn observation(
             covariance,
             probability: 0.7,
             support: None,
+            usual_m: None,
             glimpse: None,
         }),
     }

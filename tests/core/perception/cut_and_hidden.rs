@@ -318,13 +318,3 @@ fn a_guess_that_was_taken_back_was_no_good() {
     };
     assert!(sigma_m(0.05) > 1.1 * sigma_m(0.5), "{} {}", sigma_m(0.05), sigma_m(0.5));
 }
-
-/// A guess is as wrong in the next frame as in this one; a graph must not count it twice.
-#[test]
-fn similar_views_share_more_of_a_guess_than_of_a_measurement() {
-    for side in [Side::Seen, Side::Support, Side::Mirrored, Side::Outline] {
-        for guess in [Side::Cut, Side::Hidden] {
-            assert!(side.common_share() < guess.common_share(), "{side:?}");
-        }
-    }
-}

@@ -4,6 +4,7 @@ mod cut_and_hidden;
 mod detection;
 mod fit;
 mod glimpses;
+mod limits;
 mod refusals;
 mod registration;
 mod shapes;
