@@ -18,6 +18,7 @@ mod fit;
 mod footprint;
 mod frame;
 mod glimpse;
+mod guess;
 mod measurement;
 mod normal;
 mod registration;
