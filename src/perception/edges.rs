@@ -5,7 +5,7 @@ use super::{
     footprint::{Heading, MIN_SIGMA_RAD},
     segmentation::SurfacePoint,
 };
-use nalgebra::{Matrix2, SymmetricEigen, Vector2};
+use nalgebra::{Matrix2, Point2, SymmetricEigen, Vector2};
 
 /// Heading of the longest straight edge of a top, whose `points` are sampled every `stride` pixels, row by row. `None` where no
 /// edge was seen for long enough.
@@ -19,12 +19,18 @@ pub(super) fn heading_of_edges(
 ) -> Option<Heading> {
     let edge = own_edge(frame, points, stride);
     let every = edge.len().div_ceil(MAX_POINTS).max(1);
-    let line = (edge.iter().step_by(every))
-        .enumerate()
-        .flat_map(|(i, a)| edge.iter().step_by(every).skip(i + 1).map(move |b| (a, b)))
-        .filter_map(|(a, b)| Line::through(a, b, &edge))
-        .reduce(|best, line| if line.points.len() > best.points.len() { line } else { best })?;
-    line.heading()
+    let ends: Vec<&SurfacePoint> = edge.iter().copied().step_by(every).collect();
+    let mut best: Option<(usize, Line)> = None;
+    for (i, a) in ends.iter().enumerate() {
+        for line in ends[i + 1..].iter().filter_map(|b| Line::through(a, b)) {
+            let count = edge.iter().filter(|p| line.has(p)).count();
+            if best.as_ref().is_none_or(|(most, _)| count > *most) {
+                best = Some((count, line));
+            }
+        }
+    }
+    let (_, line) = best?;
+    heading_along(&edge.into_iter().filter(|p| line.has(p)).collect::<Vec<_>>())
 }
 
 /// The points of the top beside which the camera looks past it.
@@ -54,43 +60,47 @@ fn own_edge<'a>(
     points.iter().filter(is_edge).collect()
 }
 
-/// A straight part of an edge, seen from above.
-struct Line<'a> {
-    points: Vec<&'a SurfacePoint>,
+/// A line seen from above.
+struct Line {
+    from: Point2<f64>,
+    across: Vector2<f64>,
 }
 
-impl<'a> Line<'a> {
-    /// All points of the edge that are in line with two of them.
-    fn through(a: &SurfacePoint, b: &SurfacePoint, edge: &[&'a SurfacePoint]) -> Option<Self> {
+impl Line {
+    /// Through two points that lie far enough from each other.
+    fn through(a: &SurfacePoint, b: &SurfacePoint) -> Option<Self> {
         let along = (b.at - a.at).xy();
         let across = Vector2::new(-along.y, along.x).try_normalize(0.5 * SHORTEST_M)?;
-        let is_near = |p: &&SurfacePoint| {
-            (p.at - a.at).xy().dot(&across).abs() < NEAR_M + 1.5 * noise_m(p, &across)
-        };
-        Some(Self { points: edge.iter().copied().filter(is_near).collect() })
+        Some(Self { from: a.at.xy(), across })
     }
 
-    /// By total least squares; nothing where it is too short.
-    fn heading(&self) -> Option<Heading> {
-        let n = self.points.len() as f64;
-        let mean = self.points.iter().map(|p| p.at.xy().coords).sum::<Vector2<f64>>() / n;
-        let scatter: Matrix2<f64> =
-            (self.points.iter()).map(|p| p.at.xy().coords - mean).map(|d| d * d.transpose()).sum();
-        let eigen = SymmetricEigen::new(scatter / n);
-        let longest = eigen.eigenvalues.imax();
-        let (along, spread) = (eigen.eigenvectors.column(longest), eigen.eigenvalues[longest]);
-        // Evenly spread points of a line have a variance of a twelfth of its squared length.
-        let length_m = (12.0 * spread).sqrt();
-        if length_m < SHORTEST_M || self.points.len() < FEWEST {
-            return None;
-        }
-        let across = Vector2::new(-along.y, along.x);
-        let noise_m = self.points.iter().map(|p| noise_m(p, &across)).sum::<f64>() / n;
-        let own = eigen.eigenvalues[1 - longest].max(0.0).sqrt().max(noise_m);
-        let sigma = own / (spread * (INDEPENDENT_SHARE * n).max(1.0)).sqrt();
-        let yaw = along.y.atan2(along.x);
-        Some(Heading { yaw, sigma: sigma.hypot(MIN_SIGMA_RAD), of_faces: true })
+    /// Whether a point is on it.
+    fn has(&self, p: &SurfacePoint) -> bool {
+        let off_m = (p.at.xy() - self.from).dot(&self.across).abs();
+        off_m < NEAR_M + 1.5 * noise_m(p, &self.across)
     }
+}
+
+/// Heading of the line through some points, by total least squares; nothing where they are too few or too near to each other.
+fn heading_along(points: &[&SurfacePoint]) -> Option<Heading> {
+    let n = points.len() as f64;
+    let mean = points.iter().map(|p| p.at.xy().coords).sum::<Vector2<f64>>() / n;
+    let off_mean = points.iter().map(|p| p.at.xy().coords - mean);
+    let scatter: Matrix2<f64> = off_mean.map(|d| d * d.transpose()).sum();
+    let eigen = SymmetricEigen::new(scatter / n);
+    let longest = eigen.eigenvalues.imax();
+    let (along, spread) = (eigen.eigenvectors.column(longest), eigen.eigenvalues[longest]);
+    // Evenly spread points of a line have a variance of a twelfth of its squared length.
+    let length_m = (12.0 * spread).sqrt();
+    if length_m < SHORTEST_M || points.len() < FEWEST {
+        return None;
+    }
+    let across = Vector2::new(-along.y, along.x);
+    let noise_m = points.iter().map(|p| noise_m(p, &across)).sum::<f64>() / n;
+    let own_m = eigen.eigenvalues[1 - longest].max(0.0).sqrt().max(noise_m);
+    let sigma = own_m / (spread * (INDEPENDENT_SHARE * n).max(1.0)).sqrt();
+    let yaw = along.y.atan2(along.x);
+    Some(Heading { yaw, sigma: sigma.hypot(MIN_SIGMA_RAD), of_faces: true })
 }
 
 fn noise_m(p: &SurfacePoint, across: &Vector2<f64>) -> f64 {
