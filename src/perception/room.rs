@@ -51,8 +51,10 @@ impl Faces {
     fn before_wall_m(&self, segment: &Segment<'_>, i: usize, outward: &Vector3<f64>) -> f64 {
         let center = Point3::from(self.pose().translation.vector);
         let middle = center + outward * (0.5 * self.extent_m(i / 2));
-        let walls = segment.walls.iter().filter(|wall| !is_taken_for(segment, wall));
-        let distances = walls.filter_map(|wall| wall.distance_along_m(&middle, outward));
+        let distances = segment.walls.iter().filter_map(|wall| {
+            // Few walls are in the way, and only of those all points have to be looked at.
+            wall.distance_along_m(&middle, outward).filter(|_| !is_taken_for(segment, wall))
+        });
         distances.fold(f64::INFINITY, f64::min)
     }
 }

@@ -161,11 +161,7 @@ pub fn find_walls(
         let is_wall =
             is_flat(&line, &own, &samples, settings) && reaches_up(&line, &own, &tops, settings);
         if let Some(segment) = segment(&line, &own, settings).filter(|_| is_wall) {
-            walls.push(WallSegment {
-                center: camera_from_level * segment.center,
-                normal: camera_from_level * segment.normal,
-                ..segment
-            });
+            walls.push(segment.transformed(&camera_from_level));
         }
         samples.retain(|s| !line.has(s, 2.0 * INLIER_SIGMAS, settings));
     }
