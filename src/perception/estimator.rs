@@ -176,16 +176,20 @@ fn estimate_object<'a>(
         symmetry: symmetry_probability(&symmetry, prior.symmetry),
         fit: fit_probability(&completed, &in_level, outline_of(settings.fit, prior.outline)),
     };
+    let silhouette = faces.silhouette(frame, &segment);
+    // Leaves leave no reading beside them that would show their end, but the box ends there, and behind it is something else.
+    let is_bounded = silhouette[0] && silhouette[2] && segment.spans_box();
+    let place_sigma_m = faces.place_sigma_m(&prior, is_bounded);
     let camera_from_level = frame.level_from_camera().inverse();
     let measurement = EllipsoidMeasurement {
         ellipsoid: in_level.transformed(&camera_from_level),
         covariance: faces.covariance(
             yaw_sigma(&heading, &faces, prior.outline),
             TILT_SIGMA_RAD,
-            faces.place_sigma_m(&prior),
+            place_sigma_m,
         ),
         sides: faces.faces.map(|face| face.side),
-        silhouette: faces.silhouette(frame, &segment),
+        silhouette,
         outline: prior.outline,
         probability,
         symmetry: symmetry
@@ -195,8 +199,7 @@ fn estimate_object<'a>(
         support: segment.support.map(|s| s.plane.transformed(&camera_from_level)),
         points: segment.points.len(),
     };
-    let is_vague = faces.place_sigma_m(&prior) > 0.0;
-    Ok(Estimate { measurement, segment, is_vague })
+    Ok(Estimate { measurement, segment, is_vague: place_sigma_m > 0.0 })
 }
 
 /// The six faces, and the mirror planes that told where some of them are. What is found out on the way (a mirror image, how far

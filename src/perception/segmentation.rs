@@ -110,6 +110,13 @@ impl Segment<'_> {
         })
     }
 
+    /// Whether the points reach from the left to the right side of the box.
+    pub(super) fn spans_box(&self) -> bool {
+        let columns = || self.points.iter().map(|p| f64::from(p.u));
+        let width = columns().fold(f64::MIN, f64::max) - columns().fold(f64::MAX, f64::min);
+        width > SPANNED * self.rect.width()
+    }
+
     /// From the camera to the middle of the points; a unit vector.
     pub(super) fn direction(&self) -> Vector3<f64> {
         let sum = self.points.iter().map(|p| p.at.coords).sum::<Vector3<f64>>();
@@ -206,6 +213,8 @@ pub(super) fn segment<'a>(
 const SHEET_SIGMAS: f64 = 2.0;
 /// its own relief aside (m).
 const SHEET_M: f64 = 0.02;
+/// Points that are this much of the width of a box apart reach from its left to its right.
+const SPANNED: f64 = 0.6;
 /// Boxes that end this near to the image's border are cut by it (px).
 const BORDER_PX: f64 = 4.0;
 

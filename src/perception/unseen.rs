@@ -25,12 +25,13 @@ impl Faces {
         (0..2).any(|axis| self.extent_m(axis) < SLIVER_SHARE * short)
     }
 
-    /// Where none of the upright faces was seen, what was seen may be any part of the object, or something beside it:
-    /// the standard deviation of where it is along either horizontal axis, besides that of its faces (m).
-    pub(super) fn place_sigma_m(&self, prior: &ClassPrior) -> f64 {
+    /// Where none of the upright faces was seen, what was seen may be any part of the object, or something beside it,
+    /// unless it fills its box from the left to the right (`is_bounded`): the standard deviation of where it is along
+    /// either horizontal axis, besides that of its faces (m).
+    pub(super) fn place_sigma_m(&self, prior: &ClassPrior, is_bounded: bool) -> f64 {
         let is_seen = |face: &Face| matches!(face.side, Side::Seen | Side::Mirrored);
         match prior.size_m {
-            Some([long, ..]) if !self.faces[..4].iter().any(is_seen) => long,
+            Some([long, ..]) if !is_bounded && !self.faces[..4].iter().any(is_seen) => long,
             _ => 0.0,
         }
     }

@@ -144,7 +144,8 @@ pub(super) fn plant(random: &mut Random, height: f64) -> Model {
             mesh.add_leaf(root, kept_near(tip, pot_height, 0.36 * height), green);
         }
     }
-    Model { label: "potted plant", mesh }
+    // What people would draw round it: along the axes that its leaves were drawn in, a box has no meaning.
+    Model { label: "potted plant", mesh: mesh.turned_into_its_smallest_box() }
 }
 
 /// Keeps a leaf's tip above the pot, where other things may stand, and within a radius, so that a layout knows

@@ -1,8 +1,8 @@
 //! Coloured triangle meshes and the solids they are composed of.
 
 use crate::geometry::Pose;
-use nalgebra::{Point3, Rotation3, Unit, Vector3};
-use std::f64::consts::TAU;
+use nalgebra::{Isometry3, Point2, Point3, Rotation3, Unit, Vector3};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Red, green, blue.
 pub type Color = [u8; 3];
@@ -46,6 +46,26 @@ impl Mesh {
             *vertex = a_from_b * *vertex;
         }
         self
+    }
+
+    /// The same mesh turned about the vertical, so that of all upright boxes round it the one along x and y has the
+    /// smallest footprint, within half a degree.
+    pub(super) fn turned_into_its_smallest_box(self) -> Self {
+        let turn = |step: u32| {
+            let angle = FRAC_PI_2 * f64::from(step) / 180.0;
+            Isometry3::rotation(Vector3::z() * angle)
+        };
+        let area = |step: u32| {
+            let turned = self.vertices.iter().map(|vertex| (turn(step) * vertex).xy());
+            let (low, high) = turned.fold(
+                (Point2::from([f64::INFINITY; 2]), Point2::from([f64::NEG_INFINITY; 2])),
+                |(low, high), at| (low.inf(&at), high.sup(&at)),
+            );
+            (high - low).product()
+        };
+        let areas: Vec<f64> = (0..180).map(area).collect();
+        let best = (0..180).min_by(|a, b| areas[*a as usize].total_cmp(&areas[*b as usize]));
+        self.transformed(&turn(best.unwrap_or(0)))
     }
 
     /// Adds all triangles of another mesh.
