@@ -9,7 +9,7 @@ use super::{
     find_support_planes, find_walls,
     fit::{fit_ellipsoid, fit_probability},
     footprint::{Heading, heading_of_faces, heading_of_rectangle},
-    glimpse,
+    glimpse::glimpse,
     segmentation::{Segment, SegmentationSettings, SurfacePoint, segment},
     stage::{Stage, StageObserver},
     symmetry::refine_symmetry,
@@ -102,7 +102,7 @@ pub fn estimate_frame(
         let are_others = |p: &SurfacePoint| claims.are_others(at, p);
         estimates[at] = estimate_object(frame, scenery, detection, settings, &are_others, observer);
     }
-    let seen = (&planes[..], detections);
+    let seen = (scenery, detections);
     let (objects, glimpses) = (detections.iter().zip(estimates))
         .map(|of_box| measured_or_glimpsed(frame, of_box, seen, settings))
         .unzip();
@@ -113,7 +113,7 @@ pub fn estimate_frame(
 fn measured_or_glimpsed(
     frame: &Frame<'_>,
     (detection, estimate): (&Detection, Result<Estimate<'_>, Refused>),
-    seen: (&[SupportPlane], &[Detection]),
+    seen: (Scenery<'_>, &[Detection]),
     settings: &PerceptionSettings,
 ) -> (Result<EllipsoidMeasurement, Refused>, Option<Glimpse>) {
     let is_vague = estimate.as_ref().map_or(true, |estimate| estimate.is_vague);
@@ -128,9 +128,9 @@ fn measured_or_glimpsed(
 
 /// What is around the objects of a frame, in the level frame.
 #[derive(Clone, Copy)]
-struct Scenery<'a> {
-    planes: &'a [SupportPlane],
-    walls: &'a [WallSegment],
+pub(super) struct Scenery<'a> {
+    pub(super) planes: &'a [SupportPlane],
+    pub(super) walls: &'a [WallSegment],
 }
 
 /// A measurement and what it was made from.

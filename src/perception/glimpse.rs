@@ -1,7 +1,7 @@
 //! What a box says where depth does not suffice for a measurement: a direction, and how far off something of its class
 //! would be that looks so large.
 
-use super::{Detection, Frame, PerceptionSettings, SupportPlane};
+use super::{Detection, Frame, PerceptionSettings, SupportPlane, WallSegment, estimator::Scenery};
 use crate::geometry::{Camera, Ellipsoid, Plane, Pose, Rect};
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
@@ -57,11 +57,11 @@ pub struct UsualSize {
 /// Something of a class without a usual size is out of the depth camera's reach of `max_range_m` where nothing in the middle
 /// of the box is within it. Otherwise there is nothing: what hides a part of such an object is taken for it too easily.
 ///
-/// `planes` and `detections` are all of the image, the latter with this one.
-pub fn glimpse(
+/// What is `around` the objects and `detections` are all of the image, the latter with this one.
+pub(super) fn glimpse(
     frame: &Frame<'_>,
     detection: &Detection,
-    (planes, detections): (&[SupportPlane], &[Detection]),
+    (around, detections): (Scenery<'_>, &[Detection]),
     settings: &PerceptionSettings,
 ) -> Option<Glimpse> {
     let rect = &detection.rect;
@@ -70,15 +70,15 @@ pub fn glimpse(
     let place = Surroundings {
         frame,
         rect: *rect,
-        floor: floor(planes).filter(|_| prior.on_floor),
+        floor: floor(around.planes).filter(|_| prior.on_floor),
         others: detections.iter().map(|other| other.rect).filter(|other| other != rect).collect(),
     };
-    let ranges = readings(frame, rect);
-    let read = lower_quartile(&ranges).map(Range::read);
+    let Readings { ranges, of_object, before_m } = Readings::new(frame, rect, around.walls);
+    let read = of_object.map(Range::read);
     match prior.size_m {
         Some(size_m) => {
             let seen = Apparent::new(frame, rect, &completed(rect, frame.camera(), size_m)?);
-            let range = seen.range(read, size_m);
+            let range = seen.range(read, before_m, size_m);
             let sigmas = [SIZE_SIGMA, PROPORTION_SIGMA];
             let glimpse = seen.glimpse(&place, (range, size_m, sigmas));
             let within = ranges.iter().filter(|range_m| **range_m <= max_range_m).count();
@@ -178,14 +178,20 @@ impl Apparent {
         (sine.abs(), (1.0 - sine * sine).sqrt())
     }
 
-    /// The range of the middle of an object of this size, in whose box this was `read`.
-    fn range(&self, read: Option<Range>, [long, short, high]: [f64; 3]) -> Range {
+    /// The range of the middle of an object of this size, in whose box this was `read` and which is not behind `before_m`.
+    fn range(
+        &self,
+        read: Option<Range>,
+        before_m: f64,
+        [long, short, high]: [f64; 3],
+    ) -> Range {
         let (sine, cosine) = self.descent();
         let middle = (long * short).sqrt();
         // Of what is partly hidden, less shows: the side that asks for the shorter range is the more credible.
         let by_height = (high * cosine + middle * sine) / self.height;
         let by_width = SEEN_WIDTH * middle / self.width;
         let range = (by_height * by_width).sqrt().min(1.2 * by_height.min(by_width));
+        let range = range.min(before_m);
         let disagreement = 0.5 * (by_height / by_width).ln().abs();
         let sigma = SIZE_SIGMA.hypot(disagreement) * range;
         // The depth in the box is the object's, unless it would have an absurd size there.
@@ -338,28 +344,49 @@ impl Surroundings<'_> {
     }
 }
 
-/// A lower quartile of the ranges in the middle of a box (m), if they are enough to tell.
-fn lower_quartile(ranges: &[f64]) -> Option<f64> {
-    if 2 * ranges.len() < GRID * GRID {
-        return None;
-    }
-    let mut ranges = ranges.to_vec();
-    ranges.sort_by(f64::total_cmp);
-    Some(ranges[ranges.len() / 4])
+/// What depth says in the middle of a box.
+struct Readings {
+    /// All ranges (m).
+    ranges: Vec<f64>,
+    /// That of the front of the object (m), if enough was read to tell.
+    of_object: Option<f64>,
+    /// How far off the object is at most, as there is a wall (m).
+    before_m: f64,
 }
 
-/// Ranges in the middle of a box (m).
-fn readings(frame: &Frame<'_>, rect: &Rect) -> Vec<f64> {
-    let cell = |low: f64, extent: f64, at: usize| {
-        low + extent * (0.25 + 0.5 * (at as f64 + 0.5) / GRID as f64)
-    };
-    (0..GRID * GRID)
-        .filter_map(|at| {
-            let u = cell(rect.x_min, rect.width(), at % GRID).round() as i32;
-            let v = cell(rect.y_min, rect.height(), at / GRID).round() as i32;
-            frame.point_in_level(u, v).map(|p| nalgebra::distance(&p, &Point3::origin()))
-        })
-        .collect()
+impl Readings {
+    /// Of a plant and between the legs of a chair one reads the wall behind more often than the object.
+    fn new(frame: &Frame<'_>, rect: &Rect, walls: &[WallSegment]) -> Self {
+        let cell = |low: f64, extent: f64, at: usize| {
+            low + extent * (0.25 + 0.5 * (at as f64 + 0.5) / GRID as f64)
+        };
+        let read: Vec<Point3<f64>> = (0..GRID * GRID)
+            .filter_map(|at| {
+                let u = cell(rect.x_min, rect.width(), at % GRID).round() as i32;
+                let v = cell(rect.y_min, rect.height(), at / GRID).round() as i32;
+                frame.point_in_level(u, v)
+            })
+            .collect();
+        let range_m = |p: &Point3<f64>| nalgebra::distance(p, &Point3::origin());
+        let is_wall = |p: &&Point3<f64>| walls.iter().any(|wall| wall.before_m(p).abs() < WALL_M);
+        let (wall, before): (Vec<&Point3<f64>>, Vec<&Point3<f64>>) = read.iter().partition(is_wall);
+        let is_behind = 2 * before.len() < GRID * GRID && before.len() >= FEW;
+        let of_object = if is_behind {
+            lower_quartile(before.into_iter().map(range_m).collect())
+        } else if 2 * read.len() >= GRID * GRID {
+            lower_quartile(read.iter().map(range_m).collect())
+        } else {
+            None
+        };
+        let farthest_m = wall.iter().map(|p| range_m(p)).fold(0.0, f64::max);
+        let before_m = if wall.len() >= FEW { farthest_m } else { f64::INFINITY };
+        Self { ranges: read.iter().map(range_m).collect(), of_object, before_m }
+    }
+}
+
+fn lower_quartile(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 4).copied()
 }
 
 /// Which of the left, upper, right and lower side of a box the image cuts.
@@ -447,3 +474,7 @@ const PERHAPS_CUT_PX: f64 = 12.0;
 const MOSTLY: usize = 4;
 /// Depth readings are looked at on a grid of so many by so many.
 const GRID: usize = 7;
+/// So few of these tell.
+const FEW: usize = 4;
+/// What is as near to a wall is the wall (m).
+const WALL_M: f64 = 0.1;

@@ -39,7 +39,7 @@ pub use detection::{Detection, DetectionError};
 pub use estimator::{FitModel, FrameEstimate, PerceptionSettings, estimate_frame};
 pub use fit::{FitReport, fit_ellipsoid, fit_probability, residual, retract_upright};
 pub use frame::{DepthNoise, Frame, Rays, Sight};
-pub use glimpse::{Glimpse, UsualSize, glimpse};
+pub use glimpse::{Glimpse, UsualSize};
 pub use measurement::{EllipsoidMeasurement, Probability, Refused};
 pub use registration::register_depth;
 pub use segmentation::SegmentationSettings;
