@@ -11,7 +11,7 @@ use super::{
     footprint::{MIN_SIGMA_RAD, quantile},
     segmentation::{Segment, SurfacePoint},
     silhouette::BoxSide,
-    unseen::unseen_back_m,
+    unseen::{hides_itself, unseen_back_m},
 };
 use nalgebra::{Isometry3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 
@@ -243,8 +243,9 @@ fn measure_face(
     );
     rim.retain(|p| p.at.coords.dot(outward) > end.position_m - 0.01 - 2.0 * noise_m);
     let Beyond { side, gap_m } = what_lies_beyond(frame, segment, &rim, outward);
+    let may_go_on = may_go_on_outside_image(segment, &rim, outward);
     let (side, unseen_m) = match side {
-        Side::Seen if may_go_on_outside_image(segment, &rim, outward) => {
+        Side::Seen if may_go_on => {
             let is_top = outward.z > 0.0;
             if is_top && prior.carries {
                 (Side::Seen, 0.0)
@@ -256,9 +257,19 @@ fn measure_face(
         }
         side => (side, 0.0),
     };
-    let back_m = match side {
-        Side::Seen => unseen_back_m(segment, &rim, outward, prior),
-        _ => 0.0,
+    let back_m = unseen_back_m(segment, &rim, outward, prior);
+    let (side, back_m) = match side {
+        Side::Seen => (side, back_m),
+        // What hides the end is the front of the back rest itself, if the seat before it was seen.
+        Side::Hidden
+            if back_m > 0.0
+                && !may_go_on
+                && is_deep(extent, prior)
+                && hides_itself(&rim, outward) =>
+        {
+            (Side::Seen, back_m)
+        }
+        _ => (side, 0.0),
     };
     Face {
         position_m: end.position_m + 0.5 * gap_m + back_m,
@@ -271,6 +282,11 @@ fn measure_face(
 /// Whether what was seen is as high as its class: no more of it will be outside the image, but for a handle.
 fn is_usual_height(seen_m: f64, prior: &ClassPrior) -> bool {
     prior.size_m.is_some_and(|[_, _, height]| seen_m > USUAL_SHARE * height)
+}
+
+/// Whether what was seen is more than the front of something of its class.
+fn is_deep(seen_m: f64, prior: &ClassPrior) -> bool {
+    prior.size_m.is_some_and(|[_, short, _]| seen_m > FRONT_SHARE * short)
 }
 
 /// Whether more of the outermost points may be outside the image. The face that is turned to the camera goes on there

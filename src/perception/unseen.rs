@@ -56,12 +56,23 @@ pub(super) fn unseen_back_m(
     }
 }
 
+/// Whether an end is hidden by nothing but the front of what is there: the back rest behind a seat.
+pub(super) fn hides_itself(rim: &[&SurfacePoint], outward: &Vector3<f64>) -> bool {
+    let normals = || rim.iter().filter_map(|p| p.normal);
+    let fronts = normals().filter(|n| n.dot(outward) < -ACROSS).count();
+    fronts as f64 > FRONT_SHARE * normals().count() as f64
+}
+
 /// Handles and leaves reach so much farther, as a share of the width: the handle of a cup a third.
 const HANDLE_SHARE: f64 = 0.4;
 /// Half of how thick back rests are, padded or not (m).
 const BACK_REST_M: f64 = 0.02;
 /// Cosine between a surface's normal and a direction along it.
 const ALONG: f64 = 0.5;
+/// The same of a surface across it.
+const ACROSS: f64 = 0.8;
+/// At the end of something that hides it, more than this share of the surface is its front.
+const FRONT_SHARE: f64 = 0.5;
 /// A surface leads to an end that has at least this share of its points there.
 const LEADING_SHARE: f64 = 0.25;
 /// What is thinner than this share of the shorter usual extent is a sliver.
