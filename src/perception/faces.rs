@@ -11,7 +11,7 @@ use super::{
     footprint::{MIN_SIGMA_RAD, quantile},
     segmentation::{Segment, SurfacePoint},
     silhouette::BoxSide,
-    unseen::{hides_itself, unseen_back_m},
+    unseen::{hides_itself, is_seen_grazing, unseen_back_m},
 };
 use nalgebra::{Isometry3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 
@@ -243,6 +243,10 @@ fn measure_face(
     );
     rim.retain(|p| p.at.coords.dot(outward) > end.position_m - 0.01 - 2.0 * noise_m);
     let Beyond { side, gap_m } = what_lies_beyond(frame, segment, &rim, outward);
+    let side = match side {
+        Side::Seen if !prior.carries && is_seen_grazing(&rim, outward) => Side::Hidden,
+        side => side,
+    };
     let may_go_on = may_go_on_outside_image(segment, &rim, outward);
     let (side, unseen_m) = match side {
         Side::Seen if may_go_on => {

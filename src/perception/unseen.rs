@@ -63,6 +63,17 @@ pub(super) fn hides_itself(rim: &[&SurfacePoint], outward: &Vector3<f64>) -> boo
     fronts as f64 > FRONT_SHARE * normals().count() as f64
 }
 
+/// Whether the surfaces that lead to an end on the far side are all seen at so grazing an angle that most readings on them are lost:
+/// the last one is then not where they end.
+pub(super) fn is_seen_grazing(rim: &[&SurfacePoint], outward: &Vector3<f64>) -> bool {
+    let sum = rim.iter().map(|p| p.at.coords).sum::<Vector3<f64>>();
+    let view = sum / sum.norm().max(1e-9);
+    let is_back = outward.z == 0.0 && outward.dot(&view) > TURNED_AWAY;
+    let aside = outward.cross(&Vector3::z());
+    let facing = (-view.z).max(view.dot(&aside).abs());
+    is_back && facing < GRAZING && !hides_itself(rim, outward)
+}
+
 /// Handles and leaves reach so much farther, as a share of the width: the handle of a cup a third.
 const HANDLE_SHARE: f64 = 0.4;
 /// Half of how thick back rests are, padded or not (m).
@@ -73,6 +84,8 @@ const ALONG: f64 = 0.5;
 const ACROSS: f64 = 0.8;
 /// At the end of something that hides it, more than this share of the surface is its front.
 const FRONT_SHARE: f64 = 0.5;
+/// Cosine of the angle between the view and a normal below which depth cameras lose most readings.
+const GRAZING: f64 = 0.2;
 /// A surface leads to an end that has at least this share of its points there.
 const LEADING_SHARE: f64 = 0.25;
 /// What is thinner than this share of the shorter usual extent is a sliver.
