@@ -370,11 +370,12 @@ impl Readings {
         let range_m = |p: &Point3<f64>| nalgebra::distance(p, &Point3::origin());
         let is_wall = |p: &&Point3<f64>| walls.iter().any(|wall| wall.before_m(p).abs() < WALL_M);
         let (wall, before): (Vec<&Point3<f64>>, Vec<&Point3<f64>>) = read.iter().partition(is_wall);
-        let is_behind = 2 * before.len() < GRID * GRID && before.len() >= FEW;
-        let of_object = if is_behind {
-            lower_quartile(before.into_iter().map(range_m).collect())
+        let few = sorted(before.into_iter().map(range_m));
+        let is_thin = (FEW..GRID * GRID / 2).contains(&few.len());
+        let of_object = if is_thin && few[3 * few.len() / 4] - few[few.len() / 4] < ONE_THING_M {
+            lower_quartile(&few)
         } else if 2 * read.len() >= GRID * GRID {
-            lower_quartile(read.iter().map(range_m).collect())
+            lower_quartile(&sorted(read.iter().map(range_m)))
         } else {
             None
         };
@@ -384,9 +385,14 @@ impl Readings {
     }
 }
 
-fn lower_quartile(mut values: Vec<f64>) -> Option<f64> {
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 4).copied()
+    values
+}
+
+fn lower_quartile(sorted: &[f64]) -> Option<f64> {
+    sorted.get(sorted.len() / 4).copied()
 }
 
 /// Which of the left, upper, right and lower side of a box the image cuts.
@@ -476,5 +482,7 @@ const MOSTLY: usize = 4;
 const GRID: usize = 7;
 /// So few of these tell.
 const FEW: usize = 4;
+/// Where half of them differ by less, they are of one thing (m).
+const ONE_THING_M: f64 = 0.3;
 /// What is as near to a wall is the wall (m).
 const WALL_M: f64 = 0.1;
