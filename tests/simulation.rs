@@ -175,6 +175,28 @@ fn true_boxes_are_tight_and_upright() {
 }
 
 #[test]
+fn a_plant_has_the_smallest_of_all_upright_boxes() {
+    let scenes = [1, 2, 3].map(|seed| perfect(SceneKind::Home, TrajectoryKind::Forward, seed));
+    let objects = scenes.iter().flat_map(|simulation| &simulation.scene().objects);
+    let mut plants = 0;
+    for plant in objects.filter(|object| object.label == "potted plant") {
+        for degrees in 0..90 {
+            let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+            let [x, y] = [[cos, sin], [-sin, cos]].map(|[x, y]| {
+                let along = plant.mesh.vertices().iter().map(|v| x * v.x + y * v.y);
+                let (low, high) =
+                    along.fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(at), high.max(at)));
+                high - low
+            });
+            // Within half a degree.
+            assert!(x * y > 0.98 * plant.size.x * plant.size.y, "{degrees} degrees: {x} by {y} m");
+        }
+        plants += 1;
+    }
+    assert_eq!(plants, 6);
+}
+
+#[test]
 fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     let settings = SimulationSettings { frames: 4, ..SimulationSettings::default() };
     let frame = |settings: &SimulationSettings, threads: usize| {

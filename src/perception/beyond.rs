@@ -14,6 +14,8 @@ pub(super) struct Beyond {
     pub(super) side: Side,
     /// How much farther the object may reach where it ends at a wall (m).
     pub(super) gap_m: f64,
+    /// Whether readings are missing next to much of it.
+    pub(super) is_ragged: bool,
 }
 
 /// Looks past the outermost points.
@@ -24,7 +26,7 @@ pub(super) fn what_lies_beyond(
     outward: &Vector3<f64>,
 ) -> Beyond {
     let (mut free, mut against, mut surface, mut hidden) = (0, 0, 0, 0);
-    let mut gaps_m = 0.0;
+    let (mut gaps_m, mut ragged) = (0.0, 0);
     let every = rim.len().div_ceil(MAX_LOOKS).max(1);
     let looks = rim.iter().step_by(every);
     let total = looks.len();
@@ -34,7 +36,9 @@ pub(super) fn what_lies_beyond(
         let step = (2.0 * sample_step_m(segment, p, outward)).max(4.0 * p.sigma_m).max(0.02);
         for reach in 1..=MAX_REACH {
             let beyond = p.at + outward * (step * f64::from(reach));
-            match frame.look_at(&beyond) {
+            let sight = frame.look_at(&beyond);
+            ragged += usize::from(reach == 1 && matches!(sight, Sight::NoReading));
+            match sight {
                 Sight::Outside => break,
                 // Kinect casts shadows of missing depth beside every edge: look further. If nothing comes there, but the
                 // box has ended, what is behind is out of range.
@@ -63,7 +67,8 @@ pub(super) fn what_lies_beyond(
         Side::Hidden
     };
     let is_against = side == Side::Seen && against > free;
-    Beyond { side, gap_m: if is_against { gaps_m / against as f64 } else { 0.0 } }
+    let gap_m = if is_against { gaps_m / against as f64 } else { 0.0 };
+    Beyond { side, gap_m, is_ragged: RAGGED * ragged > total }
 }
 
 /// An end of an object.
@@ -98,6 +103,8 @@ fn is_outside_box(frame: &Frame<'_>, segment: &Segment<'_>, point: &Point3<f64>)
 
 const MAX_LOOKS: usize = 80;
 const MAX_REACH: u32 = 3;
+/// An end is ragged where no reading is next to one in so many of its points.
+const RAGGED: usize = 4;
 /// An object may touch a wall that is no farther than this from the last point that was seen (m).
 const AGAINST_M: f64 = 0.15;
 /// Walls are higher than what stands against them by more than this (m).

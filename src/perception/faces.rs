@@ -242,9 +242,10 @@ fn measure_face(
         Blur { noise_m, step_m, band_m: EDGE_BAND_PX * step_m / segment.stride },
     );
     rim.retain(|p| p.at.coords.dot(outward) > end.position_m - 0.01 - 2.0 * noise_m);
-    let Beyond { side, gap_m } = what_lies_beyond(frame, segment, &rim, outward);
+    let Beyond { side, gap_m, is_ragged } = what_lies_beyond(frame, segment, &rim, outward);
     let side = match side {
-        Side::Seen if !prior.carries && is_seen_grazing(&rim, outward) => Side::Hidden,
+        // Where readings get lost, the last one is not the end.
+        Side::Seen if is_ragged && !prior.carries && is_seen_grazing(&rim, outward) => Side::Hidden,
         side => side,
     };
     let may_go_on = may_go_on_outside_image(segment, &rim, outward);

@@ -179,12 +179,7 @@ impl Apparent {
     }
 
     /// The range of the middle of an object of this size, in whose box this was `read` and which is not behind `before_m`.
-    fn range(
-        &self,
-        read: Option<Range>,
-        before_m: f64,
-        [long, short, high]: [f64; 3],
-    ) -> Range {
+    fn range(&self, read: Option<Range>, before_m: f64, [long, short, high]: [f64; 3]) -> Range {
         let (sine, cosine) = self.descent();
         let middle = (long * short).sqrt();
         // Of what is partly hidden, less shows: the side that asks for the shorter range is the more credible.

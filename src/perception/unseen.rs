@@ -63,8 +63,7 @@ pub(super) fn hides_itself(rim: &[&SurfacePoint], outward: &Vector3<f64>) -> boo
     fronts as f64 > FRONT_SHARE * normals().count() as f64
 }
 
-/// Whether the surfaces that lead to an end on the far side are all seen at so grazing an angle that most readings on them are lost:
-/// the last one is then not where they end.
+/// Whether the surfaces that lead to an end on the far side are all seen at so grazing an angle that readings on them get lost.
 pub(super) fn is_seen_grazing(rim: &[&SurfacePoint], outward: &Vector3<f64>) -> bool {
     let sum = rim.iter().map(|p| p.at.coords).sum::<Vector3<f64>>();
     let view = sum / sum.norm().max(1e-9);
@@ -84,7 +83,7 @@ const ALONG: f64 = 0.5;
 const ACROSS: f64 = 0.8;
 /// At the end of something that hides it, more than this share of the surface is its front.
 const FRONT_SHARE: f64 = 0.5;
-/// Cosine of the angle between the view and a normal below which depth cameras lose most readings.
+/// Cosine of the angle between the view and a normal below which depth cameras lose readings.
 const GRAZING: f64 = 0.2;
 /// A surface leads to an end that has at least this share of its points there.
 const LEADING_SHARE: f64 = 0.25;

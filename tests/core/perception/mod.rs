@@ -2,6 +2,7 @@
 
 mod cut_and_hidden;
 mod detection;
+mod ends;
 mod fit;
 mod glimpses;
 mod limits;

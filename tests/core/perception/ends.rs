@@ -1,0 +1,125 @@
+//! Where things end whose ends a depth camera sees badly: leaves, back rests, tops at a grazing angle.
+
+use super::{estimate_all, estimate_box, in_world, measure};
+use crate::scene::{Scene, View, camera, detection, looking, standing};
+use ellipsoid_slam::{
+    geometry::Rect,
+    perception::{DepthImage, DepthNoise, Frame, PerceptionSettings, Rays, Side, estimate_frame},
+    sim::{SceneKind, Simulation, SimulationSettings, TrajectoryKind},
+};
+use nalgebra::{UnitVector3, Vector3};
+
+/// A box round several things that are parts of one.
+fn box_around(view: &View, parts: &[usize]) -> Rect {
+    let boxes = parts.iter().filter_map(|part| view.try_box_around(*part));
+    let both = |a: Rect, b: Rect| Rect {
+        x_min: a.x_min.min(b.x_min),
+        y_min: a.y_min.min(b.y_min),
+        x_max: a.x_max.max(b.x_max),
+        y_max: a.y_max.max(b.y_max),
+    };
+    boxes.reduce(both).unwrap()
+}
+
+/// From the front one sees the seat and the front of the back rest, whose rear it hides: there the chair ends, although chairs are
+/// usually deeper than this one.
+#[test]
+fn a_back_rest_is_as_thin_as_back_rests_are() {
+    let mut scene = Scene::with_floor();
+    // Faces the camera, 0.4 m deep, from 2.3 to 2.7 m.
+    let seat = scene.add(standing(0.0, [2.49, 0.0, 0.45], [0.19, 0.22, 0.02]));
+    let rest = scene.add(standing(0.0, [2.68, 0.0, 0.7], [0.02, 0.22, 0.23]));
+    let legs = [(2.32, -0.2), (2.32, 0.2), (2.68, -0.2), (2.68, 0.2)];
+    let legs = legs.map(|(x, y)| scene.add(standing(0.0, [x, y, 0.215], [0.02, 0.02, 0.215])));
+    let view = scene.seen_with(&looking([0.0, 0.0, 1.0], 0.0, 10.0), Some(1));
+    let whole = box_around(&view, &[&[seat, rest][..], &legs].concat());
+    let chair = estimate_box(&view, "chair", whole).unwrap();
+    let e = in_world(&chair, &view, scene.thing(seat));
+    let [near, far] = [e.center().x - e.semi_axes.x, e.center().x + e.semi_axes.x];
+    assert!((near - 2.3).abs() < 0.03, "the seat begins at 2.3 m: {near}");
+    assert!((far - 2.7).abs() < 0.03, "the back rest ends at 2.7 m: {far}");
+}
+
+/// A suitcase that is seen from its narrow side, its top at a grazing angle: readings reach as far along the top as the camera
+/// happened to get any, which is not where the suitcase ends.
+#[test]
+fn the_last_reading_at_a_grazing_angle_is_no_end() {
+    let mut scene = Scene::with_floor();
+    let suitcase = scene.add(standing(0.0, [2.4, 0.0, 0.35], [0.25, 0.14, 0.35]));
+    let mut view = scene.seen_from(&looking([0.0, 0.0, 0.95], 0.0, 5.0));
+    let (width, height) = (camera().width(), camera().height());
+    let pixels = (0..height).flat_map(|v| (0..width).map(move |u| (u as i32, v as i32)));
+    // Of the top, only the nearer half gives readings.
+    let (on_top, rect) = (2.15 + 0.25, view.box_around(suitcase));
+    let reading = |(u, v): (i32, i32)| {
+        let depth = view.depth.at(u, v).unwrap_or(0.0);
+        let is_lost = rect.contains(f64::from(u), f64::from(v)) && depth > on_top;
+        if is_lost { 0.0 } else { depth }
+    };
+    view.depth = DepthImage::new(width, height, pixels.map(reading).collect()).unwrap();
+    let m = measure(&view, "suitcase", suitcase);
+    let e = in_world(&m, &view, scene.thing(suitcase));
+    let axis =
+        usize::from(m.ellipsoid.transformed(&view.world_from_camera).pose.rotation.angle() > 0.8);
+    let ends = [m.sides[2 * axis], m.sides[2 * axis + 1]];
+    assert!(ends.contains(&Side::Seen) && ends.contains(&Side::Hidden), "{ends:?}");
+    assert!(e.center().x + e.semi_axes.x > 2.6, "suitcases are longer than that: {e:?}");
+}
+
+/// Plants have no reading beside their leaves, and still are what fills their boxes.
+#[test]
+fn a_plant_in_plain_sight_is_measured() {
+    let (mut seen, mut measured) = (0, 0);
+    for seed in [1, 2, 3] {
+        let simulation = Simulation::new(SimulationSettings {
+            scene: SceneKind::Home,
+            trajectory: TrajectoryKind::Forward,
+            seed,
+            ..Default::default()
+        })
+        .unwrap();
+        let rays = Rays::new(simulation.camera().clone());
+        for frame in [6, 9, 12].map(|index| simulation.frame(index)) {
+            let (width, height) = (simulation.camera().width(), simulation.camera().height());
+            let depth = DepthImage::new(width, height, frame.depth_m.clone()).unwrap();
+            let up = frame.world_from_camera.rotation.inverse() * Vector3::z();
+            let up = UnitVector3::new_normalize(up);
+            let view = Frame::new(&depth, &rays, &up, DepthNoise::default());
+            let small = |id: u32| {
+                let object = simulation.scene().objects.iter().find(|object| object.id == id);
+                object.filter(|object| object.label == "potted plant" && object.size.z < 0.5)
+            };
+            let plants = frame.detections.iter().filter_map(|d| Some((d.rect, small(d.object?)?)));
+            for (rect, plant) in plants.filter(|(rect, _)| rect.height() > 40.0) {
+                let boxes = [detection("potted plant", rect)];
+                let settings = PerceptionSettings::default();
+                let estimate = estimate_frame(&view, &boxes, &settings, &mut ()).objects.remove(0);
+                let center = plant.world_from_object.translation.vector;
+                let off = |m: &ellipsoid_slam::perception::EllipsoidMeasurement| {
+                    (frame.world_from_camera * m.ellipsoid.center() - center).coords.norm()
+                };
+                seen += 1;
+                measured += usize::from(estimate.is_ok_and(|m| off(&m) < 0.15));
+            }
+        }
+    }
+    assert!(seen >= 6, "{seen} are large enough");
+    assert!(4 * measured >= 3 * seen, "{measured} of {seen}");
+}
+
+/// Two thin stems before a wall: most of what one reads in their box is the wall.
+#[test]
+fn a_glimpse_is_not_of_the_wall_that_shows_through() {
+    let mut scene = Scene::with_floor();
+    scene.add(standing(0.0, [4.5, 0.0, 1.5], [0.05, 5.0, 1.5]));
+    let stem = scene.add(standing(0.0, [3.0, 0.0, 1.0], [0.02, 0.02, 0.15]));
+    let view = scene.seen_from(&looking([0.0, 0.0, 1.2], 0.0, 0.0));
+    let seen = view.box_around(stem);
+    let leaves = Rect::new(seen.x_min - 16.0, seen.y_min, seen.x_max + 16.0, seen.y_max).unwrap();
+    let estimate = estimate_all(&view, &[detection("potted plant", leaves)]);
+    assert!(estimate.objects[0].is_err(), "{:?}", estimate.objects[0]);
+    let glimpse = estimate.glimpses[0].as_ref().unwrap();
+    let range_m = glimpse.ellipsoid.center().coords.norm();
+    // A stem at 3 m, and half of how wide plants are.
+    assert!((2.9..3.4).contains(&range_m), "{range_m} m");
+}
