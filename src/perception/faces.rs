@@ -123,10 +123,10 @@ impl Faces {
     /// One looks through below a table and between the legs of a chair. So of something on legs that is much thinner than
     /// its class only the front was seen, although there is free space behind it.
     fn hide_backs_of_fronts(&mut self, segment: &Segment<'_>, prior: &ClassPrior) {
-        let Some([_, short, _]) = prior.size_m.filter(|_| prior.legs) else { return };
+        let Some(size) = prior.size_m.filter(|_| prior.legs) else { return };
         let view = segment.direction();
         for i in 0..4 {
-            let is_front = self.extent_m(i / 2) < FRONT_SHARE * short;
+            let is_front = is_only_front(self.extent_m(i / 2), size);
             if is_front && outward(self.yaw, i).dot(&view) > BARELY_TURNED_AWAY {
                 self.faces[i].side = Side::Hidden;
             }
@@ -248,9 +248,9 @@ fn measure_face(
         Side::Seen if is_ragged && !prior.carries && is_seen_grazing(&rim, outward) => Side::Hidden,
         side => side,
     };
-    let may_go_on = may_go_on_outside_image(segment, &rim, outward);
+    let may_go_on = || may_go_on_outside_image(segment, &rim, outward);
     let (side, unseen_m) = match side {
-        Side::Seen if may_go_on => {
+        Side::Seen if may_go_on() => {
             let is_top = outward.z > 0.0;
             if is_top && prior.carries {
                 (Side::Seen, 0.0)
@@ -268,8 +268,8 @@ fn measure_face(
         // What hides the end is the front of the back rest itself, if the seat before it was seen.
         Side::Hidden
             if back_m > 0.0
-                && !may_go_on
-                && is_deep(extent, prior)
+                && prior.size_m.is_some_and(|size| !is_only_front(extent, size))
+                && !may_go_on()
                 && hides_itself(&rim, outward) =>
         {
             (Side::Seen, back_m)
@@ -289,9 +289,9 @@ fn is_usual_height(seen_m: f64, prior: &ClassPrior) -> bool {
     prior.size_m.is_some_and(|[_, _, height]| seen_m > USUAL_SHARE * height)
 }
 
-/// Whether what was seen is more than the front of something of its class.
-fn is_deep(seen_m: f64, prior: &ClassPrior) -> bool {
-    prior.size_m.is_some_and(|[_, short, _]| seen_m > FRONT_SHARE * short)
+/// Whether what was seen of something on legs is no more than its front, going by the usual size of its class.
+fn is_only_front(seen_m: f64, [_, short, _]: [f64; 3]) -> bool {
+    seen_m < FRONT_SHARE * short
 }
 
 /// Whether more of the outermost points may be outside the image. The face that is turned to the camera goes on there

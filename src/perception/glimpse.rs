@@ -362,21 +362,20 @@ impl Readings {
                 frame.point_in_level(u, v)
             })
             .collect();
-        let range_m = |p: &Point3<f64>| nalgebra::distance(p, &Point3::origin());
-        let is_wall = |p: &&Point3<f64>| walls.iter().any(|wall| wall.before_m(p).abs() < WALL_M);
-        let (wall, before): (Vec<&Point3<f64>>, Vec<&Point3<f64>>) = read.iter().partition(is_wall);
-        let few = sorted(before.into_iter().map(range_m));
+        let ranges: Vec<f64> = read.iter().map(|p| p.coords.norm()).collect();
+        let is_wall = |p: &Point3<f64>| walls.iter().any(|wall| wall.before_m(p).abs() < WALL_M);
+        let at: (Vec<usize>, Vec<usize>) = (0..read.len()).partition(|at| is_wall(&read[*at]));
+        let [on_wall, few] = [at.0, at.1].map(|at| sorted(at.into_iter().map(|at| ranges[at])));
         let is_thin = (FEW..GRID * GRID / 2).contains(&few.len());
         let of_object = if is_thin && few[3 * few.len() / 4] - few[few.len() / 4] < ONE_THING_M {
             lower_quartile(&few)
-        } else if 2 * read.len() >= GRID * GRID {
-            lower_quartile(&sorted(read.iter().map(range_m)))
+        } else if 2 * ranges.len() >= GRID * GRID {
+            lower_quartile(&sorted(ranges.iter().copied()))
         } else {
             None
         };
-        let farthest_m = wall.iter().map(|p| range_m(p)).fold(0.0, f64::max);
-        let before_m = if wall.len() >= FEW { farthest_m } else { f64::INFINITY };
-        Self { ranges: read.iter().map(range_m).collect(), of_object, before_m }
+        let farthest_m = on_wall.last().copied().filter(|_| on_wall.len() >= FEW);
+        Self { ranges, of_object, before_m: farthest_m.unwrap_or(f64::INFINITY) }
     }
 }
 

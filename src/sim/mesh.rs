@@ -56,7 +56,8 @@ impl Mesh {
             Isometry3::rotation(Vector3::z() * angle)
         };
         let area = |step: u32| {
-            let turned = self.vertices.iter().map(|vertex| (turn(step) * vertex).xy());
+            let turn = turn(step);
+            let turned = self.vertices.iter().map(|vertex| (turn * vertex).xy());
             let (low, high) = turned.fold(
                 (Point2::from([f64::INFINITY; 2]), Point2::from([f64::NEG_INFINITY; 2])),
                 |(low, high), at| (low.inf(&at), high.sup(&at)),

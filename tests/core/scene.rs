@@ -77,6 +77,17 @@ impl Scene {
     }
 }
 
+/// The smallest box round some boxes: of a thing that is made of several.
+pub(crate) fn round_all(boxes: impl IntoIterator<Item = Rect>) -> Rect {
+    let both = |a: Rect, b: Rect| Rect {
+        x_min: a.x_min.min(b.x_min),
+        y_min: a.y_min.min(b.y_min),
+        x_max: a.x_max.max(b.x_max),
+        y_max: a.y_max.max(b.y_max),
+    };
+    boxes.into_iter().reduce(both).unwrap()
+}
+
 impl View {
     /// The box a perfect detector draws around what can be seen of a thing.
     pub(crate) fn box_around(&self, thing: usize) -> Rect {

@@ -1,5 +1,5 @@
 use super::{estimate_all, in_world, measure, size_sigmas};
-use crate::scene::{Scene, View, detection, looking, standing};
+use crate::scene::{Scene, View, detection, looking, round_all, standing};
 use ellipsoid_slam::{
     geometry::{Outline, Rect},
     perception::{Classes, EllipsoidMeasurement, Side},
@@ -264,15 +264,9 @@ fn a_back_rest_goes_on_behind_its_front_side() {
         scene.add(standing(0.0, [2.24, y, 0.22], [0.02, 0.02, 0.22]));
     }
     let view = scene.seen_from(&looking([0.0, -1.2, 1.0], 0.42, 12.0));
-    let parts = (1..6).map(|part| view.box_around(part));
-    let rect = parts.reduce(|a, b| Rect {
-        x_min: a.x_min.min(b.x_min),
-        y_min: a.y_min.min(b.y_min),
-        x_max: a.x_max.max(b.x_max),
-        y_max: a.y_max.max(b.y_max),
-    });
+    let rect = round_all((1..6).map(|part| view.box_around(part)));
     let back_m = |label: &str| {
-        let m = super::estimate_box(&view, label, rect.unwrap()).unwrap();
+        let m = super::estimate_box(&view, label, rect).unwrap();
         let back = face_towards(&m, &view, Vector3::x());
         assert_eq!(m.sides[back], Side::Seen, "{label} {:?}", m.sides);
         let center = view.world_from_camera * m.ellipsoid.center();

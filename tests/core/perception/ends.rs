@@ -1,7 +1,7 @@
 //! Where things end whose ends a depth camera sees badly: leaves, back rests, tops at a grazing angle.
 
 use super::{estimate_all, estimate_box, in_world};
-use crate::scene::{Scene, View, detection, looking, standing};
+use crate::scene::{Scene, detection, looking, round_all, standing};
 use ellipsoid_slam::{
     geometry::{Rect, yaw_of},
     perception::{
@@ -40,18 +40,6 @@ fn estimate(
     estimate_frame(&view, &[detection], &PerceptionSettings::default(), &mut ()).objects.remove(0)
 }
 
-/// A box round several things that are parts of one.
-fn box_around(view: &View, parts: &[usize]) -> Rect {
-    let boxes = parts.iter().filter_map(|part| view.try_box_around(*part));
-    let both = |a: Rect, b: Rect| Rect {
-        x_min: a.x_min.min(b.x_min),
-        y_min: a.y_min.min(b.y_min),
-        x_max: a.x_max.max(b.x_max),
-        y_max: a.y_max.max(b.y_max),
-    };
-    boxes.reduce(both).unwrap()
-}
-
 /// From the front one sees the seat and the front of the back rest, whose rear it hides: there the chair ends, although chairs are
 /// usually deeper than this one.
 #[test]
@@ -63,7 +51,8 @@ fn a_back_rest_is_as_thin_as_back_rests_are() {
     let legs = [(2.32, -0.2), (2.32, 0.2), (2.68, -0.2), (2.68, 0.2)];
     let legs = legs.map(|(x, y)| scene.add(standing(0.0, [x, y, 0.215], [0.02, 0.02, 0.215])));
     let view = scene.seen_with(&looking([0.0, 0.0, 1.0], 0.0, 10.0), Some(1));
-    let whole = box_around(&view, &[&[seat, rest][..], &legs].concat());
+    let parts = [seat, rest].into_iter().chain(legs);
+    let whole = round_all(parts.filter_map(|part| view.try_box_around(part)));
     let chair = estimate_box(&view, "chair", whole).unwrap();
     let e = in_world(&chair, &view, scene.thing(seat));
     let [near, far] = [e.center().x - e.semi_axes.x, e.center().x + e.semi_axes.x];
@@ -118,7 +107,7 @@ fn a_plant_in_plain_sight_is_measured() {
     assert!(4 * measured >= 3 * seen, "{measured} of {seen}");
 }
 
-/// Two thin stems before a wall: most of what one reads in their box is the wall.
+/// A thin stem before a wall: most of what one reads in their box is the wall.
 #[test]
 fn a_glimpse_is_not_of_the_wall_that_shows_through() {
     let mut scene = Scene::with_floor();

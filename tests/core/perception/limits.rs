@@ -1,8 +1,8 @@
 //! What limits an object that is not seen as a whole: walls, and the edges of its own top.
 
 use super::{estimate_all, in_world, measure};
-use crate::scene::{Scene, detection, looking, standing};
-use ellipsoid_slam::geometry::{Rect, yaw_of};
+use crate::scene::{Scene, detection, looking, round_all, standing};
+use ellipsoid_slam::geometry::yaw_of;
 use nalgebra::Point3;
 use std::f64::consts::FRAC_PI_2;
 
@@ -46,12 +46,7 @@ fn a_top_is_turned_as_its_own_edges_are() {
         let chair = scene.add(standing(0.0, [1.75, -0.4, 0.5], [0.2, 0.35, 0.5]));
         let view = scene.seen_with(&looking([0.0, 0.0, 1.3], 0.0, 15.0), Some(seed));
         let parts = legs.into_iter().filter_map(|leg| view.try_box_around(leg));
-        let table = parts.fold(view.box_around(table), |a, b| Rect {
-            x_min: a.x_min.min(b.x_min),
-            y_min: a.y_min.min(b.y_min),
-            x_max: a.x_max.max(b.x_max),
-            y_max: a.y_max.max(b.y_max),
-        });
+        let table = round_all(parts.chain([view.box_around(table)]));
         let boxes = [detection("dining table", table), detection("chair", view.box_around(chair))];
         let m = estimate_all(&view, &boxes).objects.remove(0).unwrap();
         let off = yaw_of(&(view.world_from_camera * m.ellipsoid.pose)) - yaw;
