@@ -4,6 +4,7 @@ use super::{
     ClassPrior, Classes, Detection, EllipsoidMeasurement, Frame, Glimpse, Probability, Refused,
     Side, SupportPlane, SupportSettings, SymmetryPlane, SymmetryType, WallSegment, WallSettings,
     claims::Claims,
+    crop::Crop,
     edges::heading_of_edges,
     faces::Faces,
     find_support_planes, find_walls,
@@ -13,6 +14,7 @@ use super::{
     segmentation::{Segment, SegmentationSettings, SurfacePoint, segment},
     stage::{Stage, StageObserver},
     symmetry::refine_symmetry,
+    top::part_of_top,
 };
 use crate::geometry::{Ellipsoid, Outline};
 use nalgebra::Point3;
@@ -152,34 +154,56 @@ fn estimate_object<'a>(
 ) -> Result<Estimate<'a>, Refused> {
     observer.enter(Some(Stage::Segmentation));
     let prior = settings.classes.prior(detection.label());
-    let (rect, planes) = (&detection.rect, scenery.planes);
-    let segment = segment(frame, planes, rect, &prior, &settings.segmentation, are_others)?;
-    let segment = Segment { walls: scenery.walls, ..segment };
+    let mut crop = Crop::new(frame, &detection.rect, &settings.segmentation)?;
+    crop.points.retain(|p| !are_others(p));
+    let around = (frame, scenery.planes);
+    let whole = segment(around, &crop, &prior, &settings.segmentation);
+    let of_class = (detection, &prior);
+    let estimate = |segment: Segment<'a>, observer: &mut dyn StageObserver| {
+        let segment = Segment { walls: scenery.walls, ..segment };
+        estimate_segment(frame, segment, of_class, settings.fit, observer)
+    };
+    let whole = whole.and_then(|segment| estimate(segment, observer));
+    let Err(why) = whole else { return whole };
+    let top = part_of_top(around, &crop, &prior, &settings.segmentation);
+    top.and_then(|top| estimate(top, observer).ok()).ok_or(why)
+}
+
+/// Estimates the ellipsoid of an object that was cut out.
+fn estimate_segment<'a>(
+    frame: &Frame<'_>,
+    segment: Segment<'a>,
+    (detection, prior): (&Detection, &ClassPrior),
+    fit: FitModel,
+    observer: &mut dyn StageObserver,
+) -> Result<Estimate<'a>, Refused> {
     observer.enter(Some(Stage::Faces));
-    let heading = heading(frame, &segment, &prior);
-    let (faces, symmetry) = completed_faces(frame, &segment, &heading, &prior, observer)?;
+    let heading = heading(frame, &segment, prior);
+    let (faces, symmetry) = completed_faces(frame, &segment, &heading, prior, observer)?;
     let known = faces.faces[..4].iter().filter(|f| f.side.is_known()).count();
     // Without a usual size there is nothing to guess from.
-    let is_guess = prior.size_m.is_some_and(|size| !faces.is_sliver(size));
-    if known == 0 && !is_guess || faces.lacks_its_top(&prior) {
+    let is_part = segment.is_part_of_top || segment.fills_box();
+    let is_guess = prior.size_m.is_some_and(|size| is_part || !faces.is_sliver(size));
+    if known == 0 && !is_guess || faces.lacks_its_top(prior) {
         return Err(Refused::TooLittleSeen { known });
     }
     observer.enter(Some(Stage::Fit));
     let completed = completed_points(&segment, &symmetry);
     let body = Ellipsoid::new(faces.pose(), faces.semi_axes_m());
-    let in_level = match settings.fit {
+    let in_level = match fit {
         FitModel::Faces => body,
         FitModel::Quadric => fit_ellipsoid(&completed, &body).ellipsoid,
     };
     let probability = Probability {
         detection: detection.probability(),
         symmetry: symmetry_probability(&symmetry, prior.symmetry),
-        fit: fit_probability(&completed, &in_level, outline_of(settings.fit, prior.outline)),
+        fit: fit_probability(&completed, &in_level, outline_of(fit, prior.outline)),
     };
     let silhouette = faces.silhouette(frame, &segment);
     // Leaves leave no reading beside them that would show their end, but the box ends there, and behind it is something else.
     let is_bounded = silhouette[0] && silhouette[2] && segment.spans_box();
-    let place_sigma_m = faces.place_sigma_m(&prior, is_bounded);
+    let place_sigma_m = faces.place_sigma_m(&segment, prior, is_bounded);
+    let is_vague = place_sigma_m > 0.0 && !segment.is_part_of_top;
     let camera_from_level = frame.level_from_camera().inverse();
     let measurement = EllipsoidMeasurement {
         ellipsoid: in_level.transformed(&camera_from_level),
@@ -199,7 +223,7 @@ fn estimate_object<'a>(
         support: segment.support.map(|s| s.plane.transformed(&camera_from_level)),
         points: segment.points.len(),
     };
-    Ok(Estimate { measurement, segment, is_vague: place_sigma_m > 0.0 })
+    Ok(Estimate { measurement, segment, is_vague })
 }
 
 /// The six faces, and the mirror planes that told where some of them are. What is found out on the way (a mirror image, how far
@@ -276,7 +300,8 @@ fn complete_by_symmetry(
     symmetry: SymmetryType,
     faces: &mut Faces,
 ) -> Vec<SymmetryPlane> {
-    if symmetry == SymmetryType::None {
+    // Whatever part of a level top is seen is symmetric in many planes.
+    if symmetry == SymmetryType::None || segment.is_part_of_top {
         return Vec::new();
     }
     let mut found: Vec<(usize, SymmetryPlane)> = (0..2)

@@ -8,6 +8,7 @@ mod bounds;
 mod claims;
 mod classes;
 mod clustering;
+mod crop;
 mod depth;
 mod detection;
 mod edges;

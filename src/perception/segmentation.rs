@@ -6,8 +6,7 @@ use super::{
     ClassPrior, Frame, Refused, WallSegment,
     background::without_wall,
     bounds::Bounds,
-    clustering::euclidean_clusters,
-    normal::local_normal,
+    crop::{Crop, margin_m},
     silhouette::BoxSide,
     support::{GridPoint, SupportPlane},
     top::reaches_upper_side,
@@ -94,6 +93,8 @@ pub(super) struct Segment<'a> {
     pub(super) spacing_m: f64,
     /// The same (px).
     pub(super) stride: f64,
+    /// Whether the points are only some part of the top of what carries things.
+    pub(super) is_part_of_top: bool,
 }
 
 impl Segment<'_> {
@@ -117,6 +118,11 @@ impl Segment<'_> {
         width > SPANNED * self.rect.width()
     }
 
+    /// Whether the rectangle round the points is nearly the box: they are all that is to be seen of the object.
+    pub(super) fn fills_box(&self) -> bool {
+        self.agreement > FILLED
+    }
+
     /// From the camera to the middle of the points; a unit vector.
     pub(super) fn direction(&self) -> Vector3<f64> {
         let sum = self.points.iter().map(|p| p.at.coords).sum::<Vector3<f64>>();
@@ -136,23 +142,19 @@ impl Segment<'_> {
     }
 }
 
-/// Cuts out the object in `rect`, from what are not others' points.
+/// Cuts out the object that the box of a crop is about.
 pub(super) fn segment<'a>(
-    frame: &Frame<'_>,
-    planes: &'a [SupportPlane],
-    rect: &Rect,
+    (frame, planes): (&Frame<'_>, &'a [SupportPlane]),
+    crop: &Crop,
     prior: &ClassPrior,
     settings: &SegmentationSettings,
-    are_others: &dyn Fn(&SurfacePoint) -> bool,
 ) -> Result<Segment<'a>, Refused> {
-    let mut crop = Crop::new(frame, rect, settings)?;
-    crop.points.retain(|p| !are_others(p));
-    let enough = (settings.min_points / (crop.stride * crop.stride) as usize).max(12);
+    let enough = crop.samples(settings.min_points);
     if crop.points.len() < enough {
         return Err(Refused::TooFewPoints { got: crop.points.len(), needed: enough });
     }
     let (own, others): (Vec<&SupportPlane>, Vec<&SupportPlane>) =
-        planes.iter().partition(|plane| is_part_of_object(plane, &crop));
+        planes.iter().partition(|plane| is_part_of_object(plane, crop));
     let top = (own.into_iter())
         .filter(|plane| prior.carries && reaches_upper_side(plane, &crop.rect))
         .max_by_key(|plane| plane.points);
@@ -194,19 +196,7 @@ pub(super) fn segment<'a>(
     if points.len() < enough {
         return Err(Refused::TooFewPoints { got: points.len(), needed: enough });
     }
-    add_normals(frame, &mut points, crop.stride);
-    let stride = f64::from(crop.stride);
-    let spacing_m = crop.spacing_m(&points);
-    Ok(Segment {
-        spacing_m,
-        stride,
-        points,
-        support,
-        walls: &[],
-        rect: crop.rect,
-        image: crop.image,
-        agreement: overlap,
-    })
+    Ok(crop.segment(frame, points, support))
 }
 
 /// Of one face both ends are found within so many standard deviations of the depth,
@@ -215,167 +205,10 @@ const SHEET_SIGMAS: f64 = 2.0;
 const SHEET_M: f64 = 0.02;
 /// Points that are this much of the width of a box apart reach from its left to its right.
 const SPANNED: f64 = 0.6;
+/// Of a box and the rectangle round all that is to be seen of the object, this share is common.
+const FILLED: f64 = 0.7;
 /// Boxes that end this near to the image's border are cut by it (px).
 const BORDER_PX: f64 = 4.0;
-
-/// The sampled pixels of a box.
-struct Crop {
-    points: Vec<SurfacePoint>,
-    rect: Rect,
-    image: Rect,
-    stride: i32,
-    focal_px: f64,
-}
-
-impl Crop {
-    fn new(
-        frame: &Frame<'_>,
-        rect: &Rect,
-        settings: &SegmentationSettings,
-    ) -> Result<Self, Refused> {
-        let (width, height) = (frame.depth().width(), frame.depth().height());
-        let (mx, my) = (settings.box_margin * rect.width(), settings.box_margin * rect.height());
-        let inside = Rect::new(rect.x_min - mx, rect.y_min - my, rect.x_max + mx, rect.y_max + my)
-            .and_then(|r| r.clipped(width, height));
-        let image = Rect::new(0.0, 0.0, f64::from(width) - 1.0, f64::from(height) - 1.0);
-        let (Some(inside), Some(clipped), Some(image)) =
-            (inside, rect.clipped(width, height), image)
-        else {
-            return Err(Refused::OutsideImage);
-        };
-        let stride = (clipped.area() / settings.max_points as f64).sqrt().ceil().max(1.0) as i32;
-        let mut points = Vec::new();
-        for v in (inside.y_min.ceil() as i32..=inside.y_max as i32).step_by(stride as usize) {
-            for u in (inside.x_min.ceil() as i32..=inside.x_max as i32).step_by(stride as usize) {
-                let Some(z) = frame.depth().at(u, v).map(f64::from) else { continue };
-                if z <= settings.max_range_m
-                    && !is_flying(frame, u, v)
-                    && let Some(at) = frame.point_in_level(u, v)
-                {
-                    points.push(SurfacePoint { u, v, at, sigma_m: frame.sigma_m(z), normal: None });
-                }
-            }
-        }
-        Ok(Self { points, rect: clipped, image, stride, focal_px: frame.camera().focal().0 })
-    }
-
-    /// The points that lie on none of the planes. Noise lifts one in a hundred readings off its plane; these are few
-    /// among many that lie on it, unlike the readings of something low that stands there.
-    fn off_planes(
-        &self,
-        planes: &[&SupportPlane],
-        settings: &SegmentationSettings,
-    ) -> Vec<SurfacePoint> {
-        let columns = (self.image.x_max as i32 / self.stride + 3) as usize;
-        let cell = |p: &SurfacePoint| {
-            (p.v / self.stride + 1) as usize * columns + (p.u / self.stride + 1) as usize
-        };
-        let rows = (self.image.y_max as i32 / self.stride + 3) as usize;
-        let mut is_off = vec![false; columns * rows];
-        let on = |p: &SurfacePoint, margins: f64| {
-            planes.iter().any(|plane| lies_on(plane, p, margins, settings))
-        };
-        let off: Vec<SurfacePoint> = self.points.iter().filter(|p| !on(p, 1.0)).copied().collect();
-        for p in &off {
-            is_off[cell(p)] = true;
-        }
-        let company = |p: &SurfacePoint| {
-            let at = cell(p);
-            [at - columns, at, at + columns]
-                .iter()
-                .flat_map(|row| [row - 1, *row, row + 1])
-                .filter(|i| is_off[*i])
-                .count()
-        };
-        off.into_iter().filter(|p| company(p) >= COMPANY || !on(p, WEAK_MARGINS)).collect()
-    }
-
-    fn spacing_m(&self, points: &[SurfacePoint]) -> f64 {
-        let range = points.iter().map(|p| p.at.coords.norm()).sum::<f64>() / points.len() as f64;
-        f64::from(self.stride) * range / self.focal_px
-    }
-
-    /// The cluster that the box is about: many points near the box's centre, few that go on outside it.
-    ///
-    /// The paper takes the cluster nearest to the 3D point at the box's centre; that point is missing or on the
-    /// wall behind for chairs with open backs, plants and dark screens, so every point votes.
-    fn main_cluster(
-        &self,
-        points: &[SurfacePoint],
-        settings: &SegmentationSettings,
-    ) -> Option<Vec<SurfacePoint>> {
-        if points.is_empty() {
-            return None;
-        }
-        let sigma = points.iter().map(|p| p.sigma_m).sum::<f64>() / points.len() as f64;
-        let gap = settings.cluster_gap_m + 2.0 * self.spacing_m(points) + 2.0 * sigma;
-        let positions: Vec<Point3<f64>> = points.iter().map(|p| p.at).collect();
-        let clusters = euclidean_clusters(&positions, gap);
-        // Of equal votes the larger cluster, which comes first, wins.
-        let mut best: Option<(f64, Vec<usize>)> = None;
-        for cluster in clusters {
-            let votes = self.votes(points, &cluster);
-            if best.as_ref().is_none_or(|(most, _)| votes > *most) {
-                best = Some((votes, cluster));
-            }
-        }
-        let (_, best) = best?;
-        Some(best.into_iter().map(|i| points[i]).collect())
-    }
-
-    fn share_outside(&self, points: &[SurfacePoint]) -> f64 {
-        points.iter().filter(|p| !p.is_in(&self.rect)).count() as f64 / points.len() as f64
-    }
-
-    /// Intersection over union of the box and the rectangle around the points.
-    fn agreement(&self, points: &[SurfacePoint]) -> f64 {
-        let (mut low, mut high) = ((i32::MAX, i32::MAX), (i32::MIN, i32::MIN));
-        for p in points {
-            low = (low.0.min(p.u), low.1.min(p.v));
-            high = (high.0.max(p.u), high.1.max(p.v));
-        }
-        let around = Rect::new(low.0.into(), low.1.into(), high.0.into(), high.1.into());
-        around.map_or(0.0, |around| self.rect.overlap(&around))
-    }
-
-    fn votes(&self, points: &[SurfacePoint], cluster: &[usize]) -> f64 {
-        let (cx, cy) = self.rect.center();
-        let (mut inside, mut outside) = (0.0, 0.0);
-        for p in cluster.iter().map(|i| &points[*i]) {
-            let dx = (f64::from(p.u) - cx) / (0.5 * self.rect.width());
-            let dy = (f64::from(p.v) - cy) / (0.5 * self.rect.height());
-            if dx.abs() <= 1.0 && dy.abs() <= 1.0 {
-                inside += (-2.0 * (dx * dx + dy * dy)).exp();
-            } else {
-                outside += 1.0;
-            }
-        }
-        let share_outside = outside / cluster.len() as f64;
-        inside * (1.0 - share_outside)
-    }
-}
-
-/// A reading between a near and a far surface is an average of both. A surface seen at a grazing angle changes fast
-/// too, but it goes on at the same rate.
-fn is_flying(frame: &Frame<'_>, u: i32, v: i32) -> bool {
-    let depth = frame.depth();
-    let Some(z) = depth.at(u, v).map(f64::from) else { return true };
-    let jump = 0.02 + 4.0 * frame.sigma_m(z);
-    let between = |du: i32, dv: i32| {
-        let at = |steps: i32| depth.at(u + steps * du, v + steps * dv).map(f64::from);
-        let (Some(before), Some(after)) = (at(-1), at(1)) else {
-            return at(-1).is_none() && at(1).is_none();
-        };
-        let (a, b) = (before - z, after - z);
-        let goes_on =
-            |one: f64, two: Option<f64>| two.is_some_and(|two| (z - 2.0 * one + two).abs() < jump);
-        a.abs().min(b.abs()) > jump
-            && a * b < 0.0
-            && !goes_on(before, at(-2))
-            && !goes_on(after, at(2))
-    };
-    between(2, 0) || between(0, 2)
-}
 
 /// An object's own seat, mattress or top is a horizontal plane too: one that ends where the box ends, with more of
 /// the object below it.
@@ -409,33 +242,6 @@ const OWN_PLANE_RING: f64 = 0.4;
 const MIN_OWN_PLANE: usize = 6;
 /// What lies this much lower, noise aside, is not the same plane (m).
 const OWN_PLANE_STEP_M: f64 = 0.01;
-
-/// How near to a plane a point counts as part of it (m).
-fn margin_m(plane: &SupportPlane, point: &SurfacePoint, settings: &SegmentationSettings) -> f64 {
-    settings.support_margin_m + 2.0 * plane.rms_m + 2.5 * point.noise_along_m(&plane.plane.normal)
-}
-
-/// Whether a point belongs to a plane: near it, and where the plane was seen.
-fn lies_on(
-    plane: &SupportPlane,
-    point: &SurfacePoint,
-    margins: f64,
-    settings: &SegmentationSettings,
-) -> bool {
-    if plane.height_of(&point.at).abs() > margins * margin_m(plane, point, settings) {
-        return false;
-    }
-    // Inliers are in the order of the image's rows.
-    let rows = |v: i32| plane.inliers.partition_point(|p| p.v < v);
-    let window = &plane.inliers[rows(point.v - NEAR_PX)..rows(point.v + NEAR_PX + 1)];
-    window.iter().any(|p| (p.u - point.u).abs() <= NEAR_PX)
-}
-
-const NEAR_PX: i32 = 10;
-/// Up to so many margins from a plane a point may be one that noise has lifted off,
-const WEAK_MARGINS: f64 = 2.0;
-/// unless so many of the nine samples round it, itself included, are off the plane.
-const COMPANY: usize = 4;
 
 /// The highest plane that the cluster stands on: below its centre, next to it, and with nothing of it underneath. What has
 /// legs does not stand where they would be stumps: those are the seats of the chairs before a table.
@@ -484,13 +290,3 @@ const STUMPS_SHARE: f64 = 0.6;
 const UNDERNEATH_M: f64 = 0.008;
 /// A plane seen this near to an object goes on under it (m).
 const NEXT_TO_M: f64 = 0.15;
-
-fn add_normals(frame: &Frame<'_>, points: &mut [SurfacePoint], stride: i32) {
-    let (focal, _) = frame.camera().focal();
-    for p in points {
-        let range = p.at.coords.norm();
-        let wanted = 0.015_f64.max(5.0 * p.sigma_m) * focal / range;
-        let step = (wanted as i32).clamp(2, 16).max(stride);
-        p.normal = local_normal(frame, p.u, p.v, step);
-    }
-}

@@ -84,7 +84,9 @@ impl Faces {
         let depth = self.depth_range_m();
         let mut most = 0.0_f64;
         for side in BoxSide::ALL {
-            if segment.is_cut_by_image(side) {
+            // Which of its legs shows where a part of a top does, nobody knows.
+            let is_unknown = segment.is_part_of_top && side == BoxSide::Lower;
+            if is_unknown || segment.is_cut_by_image(side) {
                 continue;
             }
             let Some(end) = self.projected(frame, side, outline) else { continue };

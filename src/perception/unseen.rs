@@ -26,11 +26,18 @@ impl Faces {
     }
 
     /// Where none of the upright faces was seen, what was seen may be any part of the object, or something beside it,
-    /// unless it fills its box from the left to the right (`is_bounded`): the standard deviation of where it is along
-    /// either horizontal axis, besides that of its faces (m).
-    pub(super) fn place_sigma_m(&self, prior: &ClassPrior, is_bounded: bool) -> f64 {
+    /// unless it fills its box from the left to the right (`is_bounded`). A part of a top may be any part of it. The standard
+    /// deviation of where it is along either horizontal axis, besides that of its faces (m).
+    pub(super) fn place_sigma_m(
+        &self,
+        segment: &Segment<'_>,
+        prior: &ClassPrior,
+        is_bounded: bool,
+    ) -> f64 {
         let is_seen = |face: &Face| matches!(face.side, Side::Seen | Side::Mirrored);
         match prior.size_m {
+            // Any part alike: the standard deviation of a uniform distribution.
+            Some([long, ..]) if segment.is_part_of_top => long / 12.0_f64.sqrt(),
             Some([long, ..]) if !is_bounded && !self.faces[..4].iter().any(is_seen) => long,
             _ => 0.0,
         }

@@ -16,7 +16,7 @@ use ellipsoid_slam::{
 use nalgebra::{UnitVector3, Vector3};
 
 /// A drive through a furnished home, with all that a depth camera loses.
-fn home(seed: u64) -> Simulation {
+pub(super) fn home(seed: u64) -> Simulation {
     Simulation::new(SimulationSettings {
         scene: SceneKind::Home,
         trajectory: TrajectoryKind::Forward,
@@ -27,7 +27,7 @@ fn home(seed: u64) -> Simulation {
 }
 
 /// What one of its frames says of a box.
-fn estimate(
+pub(super) fn estimate(
     simulation: &Simulation,
     frame: &SimulatedFrame,
     detection: Detection,
