@@ -38,6 +38,22 @@ impl MapObject {
         self.placed = place.symmetric_eigenvalues().max().sqrt() < most_m;
     }
 
+    /// Whether there are only glimpses of it, and nearly all of them may be of another object, wherever that is.
+    pub(super) fn is_only_glimpsed_as(&self, other: &Self, graph: &Graph) -> bool {
+        let body = Variable::Ellipsoid(graph.ellipsoid(other.variable));
+        let shows_other = |view: &&View| {
+            let at = [Variable::Pose(graph.pose(view.keyframe.pose)), body];
+            let sides = view.sides.as_ref().map(|sides| sides.residual(&at));
+            let own = view.factor.residual(&at);
+            let rows = own.len() + sides.as_ref().map_or(0, |sides| sides.len());
+            let squared = own.norm_squared() + sides.map_or(0.0, |sides| sides.norm_squared());
+            squared < SAME_BOXES * rows as f64
+        };
+        let views = self.views.all().count();
+        let shared = self.views.all().filter(shows_other).count();
+        self.glimpsed && views > 0 && shared as f64 >= MOST_VIEWS * views as f64
+    }
+
     /// Begins the estimate anew at the range from `eye` that all its boxes fit best: descent on a robust cost does not come
     /// from the range that the first box suggested to one twice as large.
     pub(super) fn range_anew(&self, graph: &mut Graph, eye: &Point3<f64>) {
@@ -131,6 +147,9 @@ impl Hints {
     }
 }
 
+/// A glimpse may be of an object with this mean squared residual, in standard deviations; so many of them are enough.
+const SAME_BOXES: f64 = 2.0;
+const MOST_VIEWS: f64 = 0.75;
 /// Ranges that are tried, as shares of the estimated one.
 const RANGE_RATIOS: [f64; 8] = [0.4, 0.5, 0.65, 0.8, 1.25, 1.5, 2.0, 2.5];
 /// A plane is another one where it is lower by so much (m).

@@ -200,11 +200,13 @@ impl ObjectMap {
     }
 
     /// Whether two objects are the same thing: in one place, with names that detectors confuse, and hardly ever seen
-    /// side by side. What fills the same space is the same whatever it is called.
+    /// side by side. What fills the same space is the same whatever it is called. Where one was only glimpsed nobody knows
+    /// how far off it is: there the same boxes do instead of the same place.
     fn are_one(&self, a: usize, b: usize) -> bool {
         let (a, b) = (&self.objects[a], &self.objects[b]);
-        let reach = a.estimate().semi_axes.norm() + b.estimate().semi_axes.norm();
-        if a.id == b.id || (a.estimate().center() - b.estimate().center()).norm() > reach {
+        let apart_m = (a.estimate().center() - b.estimate().center()).norm();
+        let reach_m = a.estimate().semi_axes.norm() + b.estimate().semi_axes.norm();
+        if a.id == b.id || apart_m > reach_m.max(NEIGHBOUR_M) {
             return false;
         }
         let beside = a.company.beside.get(&b.id).copied().unwrap_or(0);
@@ -212,8 +214,15 @@ impl ObjectMap {
             return false;
         }
         let labels = &self.settings.labels;
-        let (of_smaller, of_both) = overlap(a.estimate(), b.estimate());
         let is_alike = labels.is_alike(labels.cost_of_same(a.belief(), b.belief()));
+        let shows = |glimpsed: &MapObject, other: &MapObject| {
+            other.counts() && glimpsed.is_only_glimpsed_as(other, &self.graph)
+        };
+        let is_never_beside = apart_m < NEIGHBOUR_M && beside == 0;
+        if is_never_beside && is_alike && (shows(a, b) || shows(b, a)) {
+            return true;
+        }
+        let (of_smaller, of_both) = overlap(a.estimate(), b.estimate());
         // What does not count may have begun with a wrong measurement, and of a glimpse nobody knows which space it fills.
         let is_vague = a.is_glimpsed() || b.is_glimpsed();
         let is_sure = !is_vague && a.counts() && b.counts();
@@ -256,7 +265,7 @@ impl ObjectMap {
 /// Objects farther apart are not asked whether they are the same (m).
 const NEIGHBOUR_M: f64 = 2.0;
 /// Detectors give two boxes for one thing now and then: that seldom, as a share of the measurements.
-const MAX_BESIDE: f64 = 0.1;
+const MAX_BESIDE: f64 = 0.25;
 /// Overlap, as a share of the smaller, of things that may be the same.
 const SAME_PLACE: f64 = 0.4;
 /// The same for things that were never seen side by side.

@@ -1,11 +1,13 @@
 //! What is known of objects that were never measured.
 
-use super::{Covariance, given_identities, observation};
+use super::{Covariance, given_identities, independent, observation};
 use crate::geometry::upright_pose;
 use ellipsoid_slam::{
     geometry::{Ellipsoid, ImageSide, Outline, Plane, Pose, Silhouette},
     graph::BoxSide,
-    mapping::{Hints, ObjectMap, Observation, ObservedBox, Sighting, SlamSettings},
+    mapping::{
+        Hints, MappingSettings, ObjectMap, Observation, ObservedBox, Sighting, SlamSettings,
+    },
     perception::UsualSize,
     time::Stamp,
 };
@@ -76,4 +78,50 @@ fn a_table_top_that_hid_the_floor_at_first_is_not_what_it_stands_on() {
     let body = map.all()[0].ellipsoid();
     assert!((body.center().z - body.semi_axes.z).abs() < 0.05, "it stands on the floor");
     assert!((body.center() - refrigerator().center()).norm() < 0.3, "{}", body.center());
+}
+
+/// Looks at a chair 4.2 m off: first from so far away that there are only glimpses, which put it at another place (m) and are
+/// surer of the range than they should be; then it is measured, with what was glimpsed in sight again or not.
+fn chairs_of(glimpsed_at: [f64; 2], is_seen_beside: bool) -> Vec<Point3<f64>> {
+    let mut map = ObjectMap::new(MappingSettings::default(), SlamSettings::default());
+    let size = Vector3::new(0.22, 0.22, 0.45);
+    let at =
+        |[x, y]: [f64; 2]| Ellipsoid::new(upright_pose(y.atan2(x), Vector3::new(x, y, 0.45)), size);
+    let glimpse = || {
+        let body = at(glimpsed_at);
+        let mut covariance = independent(&body, 1.0, 0.05, 0.1);
+        covariance[(3, 3)] = 0.4 * 0.4;
+        let mut observation = observation("chair", body, covariance);
+        let usual = UsualSize { semi_axes: size, covariance: Matrix3::identity() * 0.2 };
+        observation.measured.iter_mut().for_each(|measured| {
+            measured.glimpse = Some(Hints { depth_covariance: covariance, usual });
+        });
+        observation
+    };
+    let body = at([4.2, 0.0]);
+    let measured = || observation("chair", body, independent(&body, 0.05, 0.02, 0.02));
+    let mut look = |i: usize, observations: Vec<Observation>| {
+        map.observe(&Sighting {
+            stamp: Stamp::from_secs(i as f64),
+            odom_from_base: Pose::identity(),
+            odometry_covariance: None,
+            observations,
+            walls: Vec::new(),
+            view: None,
+        });
+    };
+    (0..8).for_each(|i| look(i, vec![glimpse()]));
+    for i in 8..14 {
+        let beside = is_seen_beside.then(glimpse);
+        look(i, beside.into_iter().chain([measured()]).collect());
+    }
+    map.confirmed().map(|object| object.ellipsoid().center()).collect()
+}
+
+#[test]
+fn what_was_glimpsed_in_the_direction_of_what_is_measured_is_the_same() {
+    let [only] = chairs_of([3.0, 0.0], false)[..] else { panic!("one chair") };
+    assert!((only - Point3::new(4.2, 0.0, 0.45)).norm() < 0.05, "{only}");
+    assert_eq!(chairs_of([3.0, 0.5], false).len(), 2, "it was seen in another direction");
+    assert_eq!(chairs_of([3.0, 0.0], true).len(), 2, "it was seen beside it");
 }
