@@ -4,19 +4,49 @@ use super::{Graph, VariableId, bayes_tree::Clique};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
+/// A square root of covariances: what several of them share need not be computed again.
+#[derive(Clone, Debug)]
+pub struct CovarianceRoot {
+    /// Its rows, by clique.
+    rows: BTreeMap<u32, DMatrix<f64>>,
+    columns: usize,
+}
+
+impl CovarianceRoot {
+    /// The covariance of its variables with those of another root of the same graph: a row for each of its own tangents, a
+    /// column for each of the other's.
+    pub fn with(&self, other: &Self) -> DMatrix<f64> {
+        let mut covariance = DMatrix::zeros(self.columns, other.columns);
+        for (clique, rows) in &self.rows {
+            if let Some(others) = other.rows.get(clique) {
+                covariance.gemm_tr(1.0, rows, others, 1.0);
+            }
+        }
+        covariance
+    }
+}
+
 impl Graph {
     /// The joint covariance of some variables in the order given, of their tangents at the estimate: 6 rows for a pose,
     /// 9 for an ellipsoid, 2 for a wall.
     ///
-    /// With `Λ = L Lᵀ` it is `Yᵀ Y` for `L Y = E`, where the columns of `E` pick the variables: `Y` has rows only on
+    /// # Panics
+    /// When one of them was removed.
+    pub fn covariance(&self, variables: &[VariableId]) -> DMatrix<f64> {
+        let root = self.covariance_root(variables);
+        root.with(&root)
+    }
+
+    /// What the covariances of some variables, in the order given, follow from.
+    ///
+    /// With `Λ = L Lᵀ` they are `Yᵀ Y` for `L Y = E`, where the columns of `E` pick the variables: `Y` has rows only on
     /// the way from their cliques to the root, so that the cost does not depend on the rest of the map. (Kaess and
     /// Dellaert 2009 recover the same from the covariance's own recursion.)
     ///
     /// # Panics
     /// When one of them was removed.
-    pub fn covariance(&self, variables: &[VariableId]) -> DMatrix<f64> {
+    pub fn covariance_root(&self, variables: &[VariableId]) -> CovarianceRoot {
         let columns = variables.iter().map(|v| self.node(*v).dimension).sum();
-        let mut covariance = DMatrix::zeros(columns, columns);
         let mut open: BTreeMap<u32, DMatrix<f64>> = BTreeMap::new();
         let mut column = 0;
         for variable in variables {
@@ -26,12 +56,12 @@ impl Graph {
             (0..dimension).for_each(|i| rows[(i, column + i)] = 1.0);
             column += dimension;
         }
-        for clique in self.cliques_upwards(variables) {
-            let clique = self.tree.clique(clique);
-            let solved = self.substitute(clique, &mut open, columns);
-            covariance.gemm_tr(1.0, &solved, &solved, 1.0);
-        }
-        covariance
+        let solved = |clique| {
+            let rows = self.substitute(self.tree.clique(clique), &mut open, columns);
+            (clique, rows)
+        };
+        let rows = self.cliques_upwards(variables).into_iter().map(solved).collect();
+        CovarianceRoot { rows, columns }
     }
 
     /// The cliques between some variables and their roots, children before parents.

@@ -33,6 +33,7 @@ pub use factors::{
 };
 pub use incremental::{FactorId, Graph, Undetermined, UpdateReport};
 pub use kernel::Kernel;
+pub use marginals::CovarianceRoot;
 pub use noise::{Noise, NoiseError};
 pub use odometry_noise::{MotionModel, NotOdometry, StepSource, step_covariance};
 pub use settings::SolverSettings;

@@ -9,10 +9,10 @@ use super::{
 };
 use crate::{
     geometry::{Ellipsoid, Pose, skew},
-    graph::{Graph, PoseId},
+    graph::{CovarianceRoot, Graph, PoseId},
     time::Stamp,
 };
-use nalgebra::{DMatrix, Matrix6, SMatrix};
+use nalgebra::{DMatrix, SMatrix};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Who decides which measurement belongs to which object.
@@ -65,8 +65,8 @@ pub(super) struct Evidence<'a> {
     pub(super) graph: &'a Graph,
     pub(super) settings: &'a MappingSettings,
     pub(super) step: &'a Step,
-    /// Of the pose that the step begins at, of `[rotation, translation]`.
-    pub(super) pose_covariance: Matrix6<f64>,
+    /// Of the pose that the step begins at; nothing in a graph without poses.
+    pub(super) pose_root: Option<CovarianceRoot>,
     /// What was seen since then has drifted with the robot.
     pub(super) long_ago: Option<Stamp>,
     /// The keyframe's.
@@ -300,8 +300,9 @@ impl Evidence<'_> {
             }
             let candidate =
                 Candidate::new((observation, measured), self.step, (self.pose, object), gate);
-            let joint =
-                known.entry(at).or_insert_with(|| joint_covariance(self.graph, self.step, object));
+            let joint = known
+                .entry(at)
+                .or_insert_with(|| joint_covariance(self.graph, self.pose_root.as_ref(), object));
             let apart = candidate.cost(self.graph, self.step, (object, joint));
             let seen = observation.rect.as_ref().zip(prospects.get(&at));
             let image = seen.map(|(rect, prospect)| rect.overlap(&prospect.rect));
@@ -331,7 +332,8 @@ impl Evidence<'_> {
         let mut moved = SMatrix::<f64, 3, 6>::zeros();
         moved.fixed_view_mut::<3, 3>(0, 0).copy_from(&-skew(measured.ellipsoid.center().coords));
         moved.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
-        let drift = moved * self.pose_covariance * moved.transpose();
+        let Some(pose) = &self.pose_root else { return REACH_M };
+        let drift = moved * pose.with(pose).fixed_view::<6, 6>(0, 0) * moved.transpose();
         let sigma = drift.symmetric_eigenvalues().max().max(0.0).sqrt();
         (REACH_M + DRIFT_SIGMAS * sigma).min(MOST_REACH_M)
     }

@@ -4,8 +4,8 @@ use super::{Hints, MapObject, Measured, Observation, ObservedBox};
 use crate::{
     geometry::{Ellipsoid, OrientedBox, Pose, intersection_volume, skew},
     graph::{
-        BoxObservation, BoxSide, EllipsoidObservation, Factor, Graph, Linearization, PoseId,
-        Variable,
+        BoxObservation, BoxSide, CovarianceRoot, EllipsoidObservation, Factor, Graph,
+        Linearization, PoseId, Variable,
     },
 };
 use nalgebra::{DMatrix, DVector, Matrix6, SMatrix};
@@ -156,15 +156,22 @@ impl Candidate {
     }
 }
 
-/// The joint covariance of the pose that a step begins at and an object.
-pub(super) fn joint_covariance(graph: &Graph, step: &Step, object: &MapObject) -> DMatrix<f64> {
-    let Some(pose) = step.pose else {
-        let mut joint = DMatrix::zeros(15, 15);
-        let own = graph.covariance(&[object.variable().into()]);
-        joint.view_mut((6, 6), (9, 9)).copy_from(&own);
-        return joint;
-    };
-    graph.covariance(&[pose.into(), object.variable().into()])
+/// The joint covariance of the pose that a step begins at, which is certain where there is none, and an object.
+pub(super) fn joint_covariance(
+    graph: &Graph,
+    pose: Option<&CovarianceRoot>,
+    object: &MapObject,
+) -> DMatrix<f64> {
+    let own = graph.covariance_root(&[object.variable().into()]);
+    let mut joint = DMatrix::zeros(15, 15);
+    joint.view_mut((6, 6), (9, 9)).copy_from(&own.with(&own));
+    if let Some(pose) = pose {
+        let both = pose.with(&own);
+        joint.view_mut((0, 0), (6, 6)).copy_from(&pose.with(pose));
+        joint.view_mut((6, 0), (9, 6)).copy_from(&both.transpose());
+        joint.view_mut((0, 6), (6, 9)).copy_from(&both);
+    }
+    joint
 }
 
 /// The covariance that an uncertain step gives to what is measured after it, as a right perturbation of the object.

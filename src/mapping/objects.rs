@@ -198,14 +198,12 @@ impl ObjectMap {
             pose_from_base: Pose::identity(),
             covariance: Matrix6::zeros(),
         });
-        let known = step.pose.map(|pose| self.graph.covariance(&[pose.into()]));
         let evidence = Evidence {
             objects: &self.objects,
             graph: &self.graph,
             settings: &self.settings,
             step: &step,
-            pose_covariance: known
-                .map_or_else(Matrix6::zeros, |known| known.fixed_view::<6, 6>(0, 0).into_owned()),
+            pose_root: step.pose.map(|pose| self.graph.covariance_root(&[pose.into()])),
             long_ago: self.chain.stamp_before(RECENT_KEYFRAMES),
             pose,
             map_from_base,
