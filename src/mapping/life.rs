@@ -210,7 +210,8 @@ impl ObjectMap {
             return false;
         }
         let beside = a.company.beside.get(&b.id).copied().unwrap_or(0);
-        if f64::from(beside) > MAX_BESIDE * f64::from(a.observations.min(b.observations)) {
+        let often = f64::from(beside) / f64::from(a.observations.min(b.observations).max(1));
+        if often > BESIDE_IN_EACH_OTHER {
             return false;
         }
         let labels = &self.settings.labels;
@@ -223,6 +224,9 @@ impl ObjectMap {
             return true;
         }
         let (of_smaller, of_both) = overlap(a.estimate(), b.estimate());
+        if often > BESIDE && of_smaller < IN_EACH_OTHER {
+            return false;
+        }
         // What does not count may have begun with a wrong measurement, and of a glimpse nobody knows which space it fills.
         let is_vague = a.is_glimpsed() || b.is_glimpsed();
         let is_sure = !is_vague && a.counts() && b.counts();
@@ -265,7 +269,11 @@ impl ObjectMap {
 /// Objects farther apart are not asked whether they are the same (m).
 const NEIGHBOUR_M: f64 = 2.0;
 /// Detectors give two boxes for one thing now and then: that seldom, as a share of the measurements.
-const MAX_BESIDE: f64 = 0.25;
+const BESIDE: f64 = 0.25;
+/// Things of which one has so much of itself in the other,
+const IN_EACH_OTHER: f64 = 0.6;
+/// where two boxes for one thing come more often: half of it has boxes of its own.
+const BESIDE_IN_EACH_OTHER: f64 = 0.5;
 /// Overlap, as a share of the smaller, of things that may be the same.
 const SAME_PLACE: f64 = 0.4;
 /// The same for things that were never seen side by side.

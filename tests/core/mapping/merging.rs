@@ -59,3 +59,33 @@ fn a_removed_object_leaves_the_others_as_they_were() {
     // An identity is never used twice.
     assert_eq!(observe(&mut map, 4.0, vec![chair(0.0)]), [Some(ObjectId(3))]);
 }
+
+/// A chair and another 0.5 m beside it, both in three images; the other one, better seen, turns out to be where the lower half of
+/// the first is. In the images after that they are seen together or by turns.
+fn in_each_other(stay_together: bool) -> ObjectMap {
+    let size = Vector3::new(0.25, 0.25, 0.45);
+    let whole = Ellipsoid::new(Pose::translation(0.0, 0.0, 0.45), size);
+    let lower = |y: f64, sigma_m: f64| {
+        let size = Vector3::new(0.2, 0.2, 0.25);
+        let e = Ellipsoid::new(Pose::translation(0.0, y, 0.25), size);
+        observation("chair", e, independent(&e, 0.05, sigma_m, 0.02))
+    };
+    let whole = || observation("chair", whole, independent(&whole, 0.05, 0.02, 0.02));
+    let mut map = ObjectMap::new(MappingSettings::default(), slam_settings());
+    for second in 0..3 {
+        observe(&mut map, f64::from(second), vec![whole(), lower(0.5, 0.2)]);
+    }
+    for second in 3..13 {
+        let both = [whole(), lower(0.1, 0.02)];
+        let one = usize::from(second % 2 == 0);
+        let seen = if stay_together { both.to_vec() } else { vec![both[one].clone()] };
+        observe(&mut map, f64::from(second), seen);
+    }
+    map
+}
+
+#[test]
+fn half_a_thing_in_the_whole_one_is_the_same_unless_both_are_mostly_seen() {
+    assert_eq!(in_each_other(false).all().len(), 1);
+    assert_eq!(in_each_other(true).all().len(), 2);
+}
