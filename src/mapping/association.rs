@@ -3,13 +3,13 @@
 use super::{
     MapObject, MappingSettings, Measured, Observation, View,
     assignment::{Costs, assign, rivals},
-    gate::{Candidate, Step, joint_covariance, overlap},
+    gate::{Candidate, KnownPose, Step, joint_covariance, overlap},
     index::ObjectIndex,
     visibility::Prospect,
 };
 use crate::{
     geometry::{Ellipsoid, Pose, skew},
-    graph::{CovarianceRoot, Graph, PoseId},
+    graph::{Graph, PoseId},
     time::Stamp,
 };
 use nalgebra::{DMatrix, SMatrix};
@@ -66,7 +66,7 @@ pub(super) struct Evidence<'a> {
     pub(super) settings: &'a MappingSettings,
     pub(super) step: &'a Step,
     /// Of the pose that the step begins at; nothing in a graph without poses.
-    pub(super) pose_root: Option<CovarianceRoot>,
+    pub(super) known_pose: Option<KnownPose>,
     /// What was seen since then has drifted with the robot.
     pub(super) long_ago: Option<Stamp>,
     /// The keyframe's.
@@ -302,7 +302,7 @@ impl Evidence<'_> {
                 Candidate::new((observation, measured), self.step, (self.pose, object), gate);
             let joint = known
                 .entry(at)
-                .or_insert_with(|| joint_covariance(self.graph, self.pose_root.as_ref(), object));
+                .or_insert_with(|| joint_covariance(self.graph, self.known_pose.as_ref(), object));
             let apart = candidate.cost(self.graph, self.step, (object, joint));
             let seen = observation.rect.as_ref().zip(prospects.get(&at));
             let image = seen.map(|(rect, prospect)| rect.overlap(&prospect.rect));
@@ -332,8 +332,8 @@ impl Evidence<'_> {
         let mut moved = SMatrix::<f64, 3, 6>::zeros();
         moved.fixed_view_mut::<3, 3>(0, 0).copy_from(&-skew(measured.ellipsoid.center().coords));
         moved.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
-        let Some(pose) = &self.pose_root else { return REACH_M };
-        let drift = moved * pose.with(pose).fixed_view::<6, 6>(0, 0) * moved.transpose();
+        let Some(pose) = &self.known_pose else { return REACH_M };
+        let drift = moved * pose.covariance * moved.transpose();
         let sigma = drift.symmetric_eigenvalues().max().max(0.0).sqrt();
         (REACH_M + DRIFT_SIGMAS * sigma).min(MOST_REACH_M)
     }

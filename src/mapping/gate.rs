@@ -156,18 +156,33 @@ impl Candidate {
     }
 }
 
+/// How well the pose that a step begins at is known.
+pub(super) struct KnownPose {
+    root: CovarianceRoot,
+    /// Of `[rotation, translation]`.
+    pub(super) covariance: Matrix6<f64>,
+}
+
+impl KnownPose {
+    pub(super) fn new(graph: &Graph, pose: PoseId) -> Self {
+        let root = graph.covariance_root(&[pose.into()]);
+        let covariance = root.with(&root).fixed_view::<6, 6>(0, 0).into_owned();
+        Self { root, covariance }
+    }
+}
+
 /// The joint covariance of the pose that a step begins at, which is certain where there is none, and an object.
 pub(super) fn joint_covariance(
     graph: &Graph,
-    pose: Option<&CovarianceRoot>,
+    pose: Option<&KnownPose>,
     object: &MapObject,
 ) -> DMatrix<f64> {
     let own = graph.covariance_root(&[object.variable().into()]);
     let mut joint = DMatrix::zeros(15, 15);
     joint.view_mut((6, 6), (9, 9)).copy_from(&own.with(&own));
     if let Some(pose) = pose {
-        let both = pose.with(&own);
-        joint.view_mut((0, 0), (6, 6)).copy_from(&pose.with(pose));
+        let both = pose.root.with(&own);
+        joint.view_mut((0, 0), (6, 6)).copy_from(&pose.covariance);
         joint.view_mut((6, 0), (9, 6)).copy_from(&both.transpose());
         joint.view_mut((0, 6), (6, 9)).copy_from(&both);
     }

@@ -40,6 +40,9 @@ impl MapObject {
 
     /// Whether there are only glimpses of it, and nearly all of them may be of another object, wherever that is.
     pub(super) fn is_only_glimpsed_as(&self, other: &Self, graph: &Graph) -> bool {
+        if !self.glimpsed {
+            return false;
+        }
         let body = Variable::Ellipsoid(graph.ellipsoid(other.variable));
         let shows_other = |view: &&View| {
             let at = [Variable::Pose(graph.pose(view.keyframe.pose)), body];
@@ -51,7 +54,7 @@ impl MapObject {
         };
         let views = self.views.all().count();
         let shared = self.views.all().filter(shows_other).count();
-        self.glimpsed && views > 0 && shared as f64 >= MOST_VIEWS * views as f64
+        views > 0 && shared as f64 >= MOST_VIEWS * views as f64
     }
 
     /// Begins the estimate anew at the range from `eye` that all its boxes fit best: descent on a robust cost does not come
