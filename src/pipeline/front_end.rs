@@ -159,7 +159,8 @@ impl FrontEnd {
         }
         let Some((camera, color_from_depth)) = registration else { return Ok(depth.image) };
         let rays = rays_of(&mut self.depth_rays, &camera.camera);
-        Ok(register_depth(&depth.image, rays, &color.camera, &color_from_depth))
+        let noise = &self.settings.depth_noise;
+        Ok(register_depth(&depth.image, rays, &color.camera, &color_from_depth, noise))
     }
 }
 

@@ -312,21 +312,7 @@ impl Sync {
         let Some(color) = self.color.clone() else {
             return Err(Unknown::later("no_camera_info", "no camera info came".into()));
         };
-        let depth_frame = self.depth.front().map_or("", |d| d.frame_id.as_str());
-        let registration = if depth_frame == color.frame_id || depth_frame.is_empty() {
-            None
-        } else {
-            let Some(camera) = self.depth_camera.clone() else {
-                return Err(Unknown::later(
-                    "no_depth_camera_info",
-                    format!(
-                        "depth is in \"{depth_frame}\", colour in \"{}\", and the depth camera's info did not come",
-                        color.frame_id
-                    ),
-                ));
-            };
-            Some((camera, self.lookup(&color.frame_id, depth_frame, stamp)?))
-        };
+        let registration = self.registration(&color, stamp)?;
         let (odom_from_base, base) = match &self.odometry {
             Some(odometry) => {
                 let pose = odometry.history.at(stamp).map_err(|outside| Unknown {
@@ -344,6 +330,35 @@ impl Sync {
         let base_from_camera = self.lookup(base, &color.frame_id, stamp)?;
         let odometry_covariance = self.odometry.as_ref().and_then(|o| o.covariance_at(stamp));
         Ok(Poses { color, registration, odom_from_base, odometry_covariance, base_from_camera })
+    }
+
+    /// The depth camera and `color_from_depth`, where the oldest depth image has to be registered: in another frame, or in colour's
+    /// with another calibration, as drivers do that align depth to the full image and give a smaller one to detectors.
+    fn registration(
+        &self,
+        color: &CameraMessage,
+        stamp: Stamp,
+    ) -> Result<Option<(CameraMessage, Pose)>, Unknown> {
+        let Some(depth) = self.depth.front() else { return Ok(None) };
+        let frame = if depth.frame_id.is_empty() { &color.frame_id } else { &depth.frame_id };
+        if *frame != color.frame_id {
+            let camera = self.depth_camera.clone().ok_or_else(|| {
+                let why = format!(
+                    "depth is in \"{frame}\", colour in \"{}\", and the depth camera's info did not come",
+                    color.frame_id
+                );
+                Unknown::later("no_depth_camera_info", why)
+            })?;
+            return Ok(Some((camera, self.lookup(&color.frame_id, frame, stamp)?)));
+        }
+        let size = (depth.image.width(), depth.image.height());
+        let is_of_this_image = |info: &&CameraMessage| {
+            let camera = &info.camera;
+            info.frame_id == *frame && (camera.width(), camera.height()) == size
+        };
+        let info = self.depth_camera.as_ref().filter(is_of_this_image);
+        let differs = info.filter(|info| info.camera != color.camera);
+        Ok(differs.map(|info| (info.clone(), Pose::identity())))
     }
 
     fn lookup(&self, to: &str, from: &str, at: Stamp) -> Result<Pose, Unknown> {

@@ -1,4 +1,6 @@
-use super::{Run, boxes, camera_info, camera_on_base, color_camera, depth, odometry, transform};
+use super::{
+    Run, boxes, camera_info, camera_on_base, color_camera, depth, odometry, small_camera, transform,
+};
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Pose},
     pipeline::{CameraRole, Input, Settings},
@@ -91,6 +93,22 @@ fn a_depth_image_of_another_size_is_refused_with_both_sizes() {
         "{why}"
     );
     assert_eq!(run.posed(), [100], "where the base was is known all the same");
+}
+
+#[test]
+fn depth_aligned_to_the_full_image_is_registered_to_the_smaller_one_of_the_boxes() {
+    // One optical frame, two sizes: the calibration says what the name of the frame does not.
+    let large = Camera::new((32, 24), (28.0, 28.0), (15.5, 11.5), Distortion::None).unwrap();
+    let mut run = Run::new(Settings::default());
+    run.feed([camera_info(CameraRole::Color, "camera", large), camera_on_base()]);
+    run.feed([odometry(0), odometry(1000), depth(100), boxes(100)]);
+    assert_eq!(run.dropped(), [(100, "size_mismatch")]);
+    run.feed([camera_info(CameraRole::Depth, "camera", small_camera()), depth(200), boxes(200)]);
+    assert_eq!(run.keyframes(), [200]);
+    // The calibration of another camera is none of the depth image's.
+    run.feed([camera_info(CameraRole::Depth, "infrared", small_camera()), depth(300), boxes(300)]);
+    assert_eq!(run.keyframes(), [200]);
+    assert_eq!(run.dropped().len(), 2);
 }
 
 #[test]
