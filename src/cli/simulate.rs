@@ -12,6 +12,7 @@ use crate::{
     eval::{self, TrueObject},
     geometry::interpolate,
     io::{trajectory_text, write_atomically},
+    msg::convert::{RgbImage, jpeg},
     perception::{DepthImage, Detection},
     pipeline::{DepthMessage, DetectionsMessage, OdometryMessage, StampedTransform},
     sim::{GroundTruth, OdometryReading, SimulatedFrame, Simulation},
@@ -193,7 +194,8 @@ fn write_images(
     if images.raw && !images.no_color {
         bag.raw_color(frame.stamp, size, rgb)?;
     } else if !images.no_color {
-        bag.compressed_color(frame.stamp, "jpeg", jpeg(&rgb, size, images.jpeg_quality)?)?;
+        let image = RgbImage { width: size.0, height: size.1, data: rgb };
+        bag.compressed_color(frame.stamp, "jpeg", jpeg(&image, images.jpeg_quality)?)?;
     }
     let depth_m = std::mem::take(&mut frame.depth_m);
     let image = DepthImage::new(size.0, size.1, depth_m)?;
@@ -201,15 +203,6 @@ fn write_images(
     bag.depth(&depth, images.raw)?;
     frame.instances.clear();
     Ok(frame)
-}
-
-fn jpeg(rgb: &[u8], (width, height): (u32, u32), quality: u8) -> anyhow::Result<Vec<u8>> {
-    let side = |pixels: u32| u16::try_from(pixels).context("the image is too large for JPEG");
-    let mut file = Vec::new();
-    let mut encoder = jpeg_encoder::Encoder::new(&mut file, quality);
-    encoder.set_optimized_huffman_tables(true);
-    encoder.encode(rgb, side(width)?, side(height)?, jpeg_encoder::ColorType::Rgb)?;
-    Ok(file)
 }
 
 /// Writes the boxes that have come by `now`, in the order of their arrival.

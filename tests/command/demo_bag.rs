@@ -3,7 +3,8 @@
 use crate::run::{run, stderr};
 use ellipsoid_slam::{
     eval::{GroundTruth, evaluate_trajectory},
-    io::{BagReader, read_trajectory},
+    io::{BagReader, decode_color, read_trajectory},
+    sim::{SceneKind, Simulation, SimulationSettings, TrajectoryKind},
 };
 use std::{collections::BTreeMap, fs, path::Path};
 
@@ -54,4 +55,29 @@ fn the_documented_command_makes_the_demo_bag_again() {
     let scores = evaluate_trajectory(&poses(&made("desk.gt.tum")), &poses(&kept("desk.gt.tum")));
     let scores = scores.unwrap();
     assert!(scores.poses == 30 && scores.ate_m.max < 1e-6, "{scores:?}");
+}
+
+#[test]
+fn the_demo_bags_colours_are_those_that_were_rendered() {
+    // The settings of the documented command.
+    let simulation = Simulation::new(SimulationSettings {
+        scene: SceneKind::Desk,
+        trajectory: TrajectoryKind::Orbit,
+        seed: 3,
+        frames: 30,
+        ..SimulationSettings::default()
+    });
+    let simulation = simulation.unwrap();
+    let bag = BagReader::open(&kept("desk.mcap")).unwrap();
+    let images = bag.messages().only(["/camera/color/image_raw/compressed"]);
+    let images: Vec<_> = images.map(|message| decode_color(&message).unwrap()).collect();
+    assert_eq!(images.len(), simulation.frame_count());
+    for (index, image) in images.iter().enumerate().step_by(7) {
+        let rendered = simulation.frame(index).rgb;
+        let pairs = image.data.iter().zip(&rendered);
+        let far: u64 = pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+        let mean = far as f64 / rendered.len() as f64;
+        // JPEG of quality 80 blurs edges; stripes of wrong colours would be off by tens everywhere.
+        assert!(image.data.len() == rendered.len() && mean < 3.0, "image {index} is off by {mean}");
+    }
 }

@@ -84,17 +84,26 @@ pub fn compressed_color_message(
     quality: u8,
 ) -> Result<CompressedImage, ConvertError> {
     const FORMAT: &str = "rgb8; jpeg compressed bgr8";
+    Ok(CompressedImage { header, format: FORMAT.into(), data: jpeg(image, quality)? })
+}
+
+/// A JPEG file of `quality` 1 to 100, in one interleaved scan with the usual Huffman tables: zune-jpeg 0.5.15 decodes the
+/// three scans that tables of its own would bring as stripes where chroma is subsampled.
+///
+/// # Errors
+/// When a side is longer than the 65,535 pixels that JPEG allows.
+pub fn jpeg(image: &RgbImage, quality: u8) -> Result<Vec<u8>, ConvertError> {
     let (Ok(width), Ok(height)) = (u16::try_from(image.width), u16::try_from(image.height)) else {
         return Err(ConvertError::ImageTooLarge {
             width: image.width.into(),
             height: image.height.into(),
         });
     };
-    let mut data = Vec::new();
-    jpeg_encoder::Encoder::new(&mut data, quality)
+    let mut file = Vec::new();
+    jpeg_encoder::Encoder::new(&mut file, quality)
         .encode(&image.data, width, height, jpeg_encoder::ColorType::Rgb)
-        .map_err(|e| bad(FORMAT, e.to_string()))?;
-    Ok(CompressedImage { header, format: FORMAT.into(), data })
+        .map_err(|e| bad("jpeg", e.to_string()))?;
+    Ok(file)
 }
 
 /// Three samples of 8 bits a pixel: alpha and low bytes are dropped, gray is repeated.

@@ -15,6 +15,7 @@ mod pose;
 pub use camera::{camera, camera_info};
 pub use color::{
     RgbImage, color_image, color_image_message, compressed_color_image, compressed_color_message,
+    jpeg,
 };
 pub use compressed::{compressed_depth_message, png_depth};
 pub use depth::{compressed_depth_image, depth_image, depth_image_message};
