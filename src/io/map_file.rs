@@ -3,7 +3,7 @@
 use super::write_atomically;
 use crate::{
     geometry::{Ellipsoid, Outline, pose_from_xyzw},
-    mapping::{SavedMap, SavedObject},
+    mapping::{SavedMap, SavedObject, proper_belief},
     time::Stamp,
 };
 use nalgebra::SMatrix;
@@ -178,7 +178,7 @@ fn checked(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
     Ok(SavedObject {
         id,
         label: record.label,
-        labels: record.labels,
+        labels: proper_belief(record.labels),
         existence: record.existence,
         observations: record.observations,
         first_seen: Stamp::from_secs(record.first_seen),

@@ -56,15 +56,19 @@ impl LabelSettings {
 
     /// Posterior of the classes that an object was called, by Bayes' rule, when it was called each so often and all are
     /// as probable beforehand. Counts may be fractions: a detector's probabilities.
+    ///
+    /// Views of one object repeat each other's mistakes, so that any number of them says no more than [`INDEPENDENT_NAMES`].
     pub(super) fn posterior(&self, votes: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
-        let log_likelihood = |class: &str| -> f64 {
-            votes.iter().map(|(called, n)| n * self.probability(called, class).ln()).sum()
+        let total: f64 = votes.values().sum();
+        let share = (INDEPENDENT_NAMES / total).min(1.0);
+        let log_likelihood = |class: &String| -> f64 {
+            let of_name = |(called, n): (&String, &f64)| n * self.probability(called, class).ln();
+            share * votes.iter().map(of_name).sum::<f64>()
         };
-        let logs: Vec<f64> = votes.keys().map(|class| log_likelihood(class)).collect();
+        let logs: Vec<f64> = votes.keys().map(log_likelihood).collect();
         let best = logs.iter().copied().fold(f64::MIN, f64::max);
-        let weights: Vec<f64> = logs.iter().map(|log| (log - best).exp()).collect();
-        let total: f64 = weights.iter().sum();
-        votes.keys().cloned().zip(weights.into_iter().map(|weight| weight / total)).collect()
+        let likelihoods = logs.iter().map(|log| (log - best).exp());
+        proper_belief(votes.keys().cloned().zip(likelihoods).collect())
     }
 
     /// Negative logarithm of the probability that a thing with this belief about its class is called so.
@@ -90,3 +94,20 @@ impl LabelSettings {
         cost <= -(0.5 * self.confused).max(self.wrong).ln()
     }
 }
+
+/// A belief that sums to one and rules out no name that it has, from weights that need not: what underflowed, or was cut
+/// by an earlier version's file, is improbable and no more. Weights that say nothing are taken for equal ones.
+pub fn proper_belief(mut weights: BTreeMap<String, f64>) -> BTreeMap<String, f64> {
+    weights.values_mut().filter(|w| !(w.is_finite() && **w >= 0.0)).for_each(|w| *w = 0.0);
+    let largest = weights.values().copied().fold(0.0, f64::max);
+    let scale = if largest > 0.0 { largest } else { 1.0 };
+    weights.values_mut().for_each(|w| *w = (*w / scale).max(LEAST_BELIEF));
+    let total: f64 = weights.values().sum();
+    weights.values_mut().for_each(|w| *w /= total);
+    weights
+}
+
+/// Names after which more of them say nothing new: ten views of each of five sides.
+const INDEPENDENT_NAMES: f64 = 50.0;
+/// No name that an object was ever given is less probable, beside its most probable one.
+const LEAST_BELIEF: f64 = 1e-6;

@@ -32,7 +32,7 @@ pub use association::Association;
 pub use continuation::Continuation;
 pub use existence::{LifeSettings, ObjectState};
 pub use gate::GateSettings;
-pub use labels::LabelSettings;
+pub use labels::{LabelSettings, proper_belief};
 pub use life::ObjectChange;
 pub use merging::MergeError;
 pub use object::{MapObject, ObjectId};

@@ -198,7 +198,8 @@ impl Constellation {
     fn candidates(&self, seen: &Landmark, body: &Body) -> Candidates {
         let of_known = |(known, labels): (usize, &BTreeMap<String, f64>)| {
             let common = seen.labels.iter().filter_map(|(label, p)| {
-                Some(p * labels.get(label)? * self.area / self.counts.get(label)?)
+                let expected = self.counts.get(label)?.max(LEAST_COUNT);
+                Some(p * labels.get(label)? * self.area / expected)
             });
             let odds: f64 = common.sum();
             let size = [false, true]
@@ -271,3 +272,5 @@ const SECOND_OPINION: f64 = 0.05;
 const MARGIN_M: f64 = 1.0;
 /// Sizes that are less alike than this are of different objects.
 const MIN_LIKENESS: f64 = -10.0;
+/// Objects of a label that a map has at least, however little it believes in them: any detector gives any name now and then.
+const LEAST_COUNT: f64 = 0.05;

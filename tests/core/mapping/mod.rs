@@ -4,6 +4,7 @@ mod association;
 mod coverage;
 mod drift;
 mod fusion;
+mod generations;
 mod glimpses;
 mod life;
 mod loop_closing;
