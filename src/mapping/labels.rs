@@ -96,10 +96,18 @@ impl LabelSettings {
 }
 
 /// A belief that sums to one and rules out no name that it has, from weights that need not: what underflowed, or was cut
-/// by an earlier version's file, is improbable and no more. Weights that say nothing are taken for equal ones.
+/// by an earlier version's file, is improbable and no more. A belief that is one already stays as it is, to the last bit;
+/// weights that say nothing are taken for equal ones.
 pub fn proper_belief(mut weights: BTreeMap<String, f64>) -> BTreeMap<String, f64> {
     weights.values_mut().filter(|w| !(w.is_finite() && **w >= 0.0)).for_each(|w| *w = 0.0);
     let largest = weights.values().copied().fold(0.0, f64::max);
+    let sum: f64 = weights.values().sum();
+    let least = LEAST_BELIEF * largest;
+    // Rounding of a division and back.
+    let is_proper = (sum - 1.0).abs() < 1e-9 && weights.values().all(|w| *w >= 0.999 * least);
+    if is_proper {
+        return weights;
+    }
     let scale = if largest > 0.0 { largest } else { 1.0 };
     weights.values_mut().for_each(|w| *w = (*w / scale).max(LEAST_BELIEF));
     let total: f64 = weights.values().sum();
