@@ -20,6 +20,8 @@ pub mod msg;
 
 pub mod publication;
 
+pub mod report;
+
 pub mod io;
 
 #[cfg(feature = "ros")]

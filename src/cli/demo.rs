@@ -15,6 +15,9 @@ pub(super) struct Args {
     /// Folder for the results; an earlier demo's are overwritten.
     #[arg(long, short, default_value = "target/demo")]
     output: PathBuf,
+    /// Write no report and no pictures.
+    #[arg(long)]
+    no_report: bool,
 }
 
 pub(super) fn run(args: &Args) -> Outcome {
@@ -27,6 +30,8 @@ pub(super) fn run(args: &Args) -> Outcome {
         remaps: Vec::new(),
         force: true,
         json: false,
+        no_report: args.no_report,
+        ground_truth: None,
     };
     replay::run(&replay_args)?;
     let map = read_map(&fs::read_to_string(args.output.join("map.json"))?)?;
@@ -42,7 +47,8 @@ pub(super) fn run(args: &Args) -> Outcome {
         );
     }
     say!(
-        "\nlook at {0}/result.mcap in Foxglove, or in RViz with `ros2 bag play {0}/result.mcap`;\n\
+        "\nopen {0}/report.html in a browser; {0}/map.svg is the map from above;\n\
+         look at {0}/result.mcap in Foxglove, or in RViz with `ros2 bag play {0}/result.mcap`;\n\
          {0}/map.json has the objects, {0}/trajectory.tum the poses",
         args.output.display()
     );

@@ -21,7 +21,10 @@ mod node;
 mod play;
 mod recording;
 mod replay;
+mod report;
+mod report_truth;
 mod results;
+mod show;
 mod simulate;
 mod simulate_settings;
 mod timing;
@@ -57,6 +60,7 @@ enum Command {
     Import(import::Args),
     Simulate(simulate::Args),
     Eval(eval::Args),
+    Show(show::Args),
     Experiment(experiment::Args),
     Config(config::Args),
 }
@@ -128,6 +132,7 @@ pub fn run() -> ExitCode {
         Command::Import(args) => import::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Eval(args) => eval::run(args),
+        Command::Show(args) => show::run(args),
         Command::Experiment(args) => experiment::run(args),
         Command::Config(args) => config::run(args),
     };

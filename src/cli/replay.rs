@@ -2,6 +2,8 @@
 
 use super::{
     Failure, Outcome,
+    eval::read_ground_truth,
+    report::{Ended, Reporter, clock},
     results::{Results, check_overwrite},
     timing::{KeyframeTime, Stopwatch, now, peak_memory_mb},
 };
@@ -10,7 +12,7 @@ use crate::{
     geometry::yaw_of,
     io::{BagInput, Remap, Roles, load_saved_map},
     mapping::{Relocalised, SavedMap},
-    pipeline::{Dropped, ObjectSlam, Settings, StartPose, Update},
+    pipeline::{Dropped, Input, ObjectSlam, Settings, StartPose, Update},
     time::Stamp,
 };
 use anyhow::{Context, anyhow};
@@ -49,6 +51,12 @@ pub(super) struct Args {
     /// Print the summary as JSON.
     #[arg(long)]
     pub(super) json: bool,
+    /// Write no report.html and no pictures.
+    #[arg(long)]
+    pub(super) no_report: bool,
+    /// The true objects, for the report to compare with; otherwise what the bag has under /ground_truth/.
+    #[arg(long, value_name = "FILE.gt.json", conflicts_with = "no_report")]
+    pub(super) ground_truth: Option<PathBuf>,
 }
 
 /// `summary.json`.
@@ -72,6 +80,19 @@ pub(super) struct Summary {
     keyframe_time: Option<KeyframeTime>,
     seconds: f64,
     peak_memory_mb: Option<f64>,
+}
+
+impl Summary {
+    /// All but the clock's readings, which differ from one run to the next.
+    fn without_clock(&self) -> serde_json::Result<serde_json::Value> {
+        let mut value = serde_json::to_value(self)?;
+        if let Some(fields) = value.as_object_mut() {
+            fields.retain(|key, _| {
+                !["keyframe_time", "seconds", "peak_memory_mb"].contains(&key.as_str())
+            });
+        }
+        Ok(value)
+    }
 }
 
 /// Where the run's own frame is in the saved map.
@@ -143,11 +164,15 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let parameters = load_parameters(args.config.as_deref())?;
     let input = BagInput::open(&args.bag, &args.remaps)?;
     let mut slam = begin(args, parameters.slam.clone())?;
-    let mut run = Run::new(Results::create(folder, &parameters.node)?);
+    let truth =
+        args.ground_truth.as_deref().map(|path| Ok((path.to_owned(), read_ground_truth(path)?)));
+    let truth: Option<_> = truth.transpose().map_err(Failure::Failed)?;
+    let reporter = (!args.no_report).then(|| Reporter::new(&input, truth));
+    let mut run = Run::new(Results::create(folder, &parameters.node)?, reporter);
     let progress = ProgressBar::new(input.message_count());
     let mut inputs = input.inputs();
     while let Some(message) = inputs.next() {
-        run.results.pass_on(&message)?;
+        run.hear(&message, inputs.log_time())?;
         let update = slam.handle(message, &mut run.stopwatch);
         run.take(&update, &slam)?;
         progress.set_position(inputs.messages_read());
@@ -191,16 +216,14 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
         seconds: (now() - started).as_secs_f64(),
         peak_memory_mb: peak_memory_mb(),
     };
-    let mut json = serde_json::to_string_pretty(&summary)?;
-    json.push('\n');
-    let csv = run.stopwatch.csv();
-    run.results.finish(&slam, &csv, &json)?;
+    run.finish(&slam, &summary, &args.bag, folder)?;
     Ok(summary)
 }
 
 /// What a replay counts on its way.
-struct Run {
+struct Run<'a> {
     results: Results,
+    reporter: Option<Reporter<'a>>,
     stopwatch: Stopwatch,
     frames: usize,
     keyframes: usize,
@@ -215,10 +238,11 @@ struct Counted {
     first: String,
 }
 
-impl Run {
-    fn new(results: Results) -> Self {
+impl<'a> Run<'a> {
+    fn new(results: Results, reporter: Option<Reporter<'a>>) -> Self {
         Self {
             results,
+            reporter,
             stopwatch: Stopwatch::default(),
             frames: 0,
             keyframes: 0,
@@ -229,8 +253,18 @@ impl Run {
         }
     }
 
+    fn hear(&mut self, input: &Input, log_time: Stamp) -> anyhow::Result<()> {
+        if let Some(reporter) = &mut self.reporter {
+            reporter.read_until(log_time);
+        }
+        Ok(self.results.pass_on(input)?)
+    }
+
     fn take(&mut self, update: &Update, slam: &ObjectSlam) -> anyhow::Result<()> {
         self.results.take(update, slam)?;
+        if let Some(reporter) = &mut self.reporter {
+            reporter.take(update, slam);
+        }
         self.frames += update.poses.len();
         for keyframe in &update.keyframes {
             self.keyframes += 1;
@@ -250,9 +284,32 @@ impl Run {
         }
         Ok(())
     }
+
+    /// Writes the results, and then what shows them.
+    fn finish(
+        self,
+        slam: &ObjectSlam,
+        summary: &Summary,
+        bag: &Path,
+        folder: &Path,
+    ) -> anyhow::Result<()> {
+        let mut json = serde_json::to_string_pretty(summary)?;
+        json.push('\n');
+        let finished = self.results.finish(slam, &self.stopwatch.csv(), &json)?;
+        let Some(reporter) = self.reporter else { return Ok(()) };
+        let ended = Ended {
+            bag,
+            map: &finished.map,
+            trajectory: &finished.trajectory,
+            warnings: &summary.warnings,
+            summary: summary.without_clock()?,
+            clock: clock(&self.stopwatch, summary.seconds, summary.peak_memory_mb),
+        };
+        reporter.finish(folder, slam, ended)
+    }
 }
 
-fn nothing_to_work_on(bag: &Path, run: &Run, warnings: &[String]) -> anyhow::Error {
+fn nothing_to_work_on(bag: &Path, run: &Run<'_>, warnings: &[String]) -> anyhow::Error {
     let why = if warnings.is_empty() {
         format!("{} depth images came without boxes", run.frames)
     } else {

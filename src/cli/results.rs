@@ -1,6 +1,6 @@
 //! The files of a replay.
 
-use super::Failure;
+use super::{Failure, report};
 use crate::{
     config::NodeSettings,
     geometry::Pose,
@@ -45,9 +45,22 @@ pub(super) struct Results {
     children: BTreeSet<String>,
 }
 
+/// What the results say, for who shows it.
+pub(super) struct Finished {
+    /// The map that was made, in a frame of its own if the place in the saved one was not recognised.
+    pub(super) map: SavedMap,
+    /// The base after all optimisation.
+    pub(super) trajectory: Vec<(Stamp, Pose)>,
+}
+
 /// Refuses to overwrite an earlier result.
 pub(super) fn check_overwrite(folder: &Path, force: bool) -> Result<(), Failure> {
-    match FILES.iter().map(|name| folder.join(name)).find(|file| file.exists()) {
+    match FILES
+        .iter()
+        .chain(&report::FILES)
+        .map(|name| folder.join(name))
+        .find(|file| file.exists())
+    {
         Some(file) if !force => Err(Failure::Usage(format!(
             "{} exists already; give another folder with --output, or --force to overwrite",
             file.display()
@@ -122,17 +135,17 @@ impl Results {
         slam: &ObjectSlam,
         timing_csv: &str,
         summary_json: &str,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<Finished> {
         let poses = self.poses.iter().map(|pose| (pose.stamp, slam.map_from_base(pose)));
         let trajectory: Vec<(Stamp, Pose)> = poses.collect();
         let last = self.publication.finish(slam);
         self.write(&last)?;
-        let seen = SavedMap::of(slam.objects(), &self.map_frame);
+        let frame = if slam.waiting().is_some() { "local_map" } else { &self.map_frame };
+        let map = SavedMap::of(slam.objects(), frame);
         let mut texts = match slam.waiting() {
-            None => vec![("map.json", map_json(&seen)?)],
+            None => vec![("map.json", map_json(&map)?)],
             Some(waiting) => {
-                let local = SavedMap { frame_id: "local_map".into(), ..seen };
-                vec![("map.json", map_json(waiting.saved())?), (LOCAL_MAP, map_json(&local)?)]
+                vec![("map.json", map_json(waiting.saved())?), (LOCAL_MAP, map_json(&map)?)]
             }
         };
         texts.extend([
@@ -151,6 +164,6 @@ impl Results {
             write_atomically(&path, text.as_bytes())
                 .with_context(|| format!("cannot write {}", path.display()))?;
         }
-        Ok(())
+        Ok(Finished { map, trajectory })
     }
 }

@@ -62,6 +62,22 @@ impl Stopwatch {
         text
     }
 
+    /// The mean of each stage (ms) over at most so many groups of keyframes, with the time since the first keyframe (s).
+    pub(super) fn profile(&self, groups: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let Some((first, _)) = self.keyframes.first() else { return (Vec::new(), Vec::new()) };
+        let groups = self.keyframes.chunks(self.keyframes.len().div_ceil(groups).max(1));
+        let group = |group: &[(Stamp, BTreeMap<Stage, Duration>)]| {
+            let stages = Stage::ALL.map(|stage| {
+                let spent = group.iter().filter_map(|(_, stages)| stages.get(&stage));
+                let ms = spent.sum::<Duration>().as_secs_f64() * 1e3 / group.len() as f64;
+                (ms * 1e3).round() / 1e3
+            });
+            let last = group.last().map_or(0.0, |(stamp, _)| stamp.seconds_since(*first));
+            (last, stages.to_vec())
+        };
+        groups.map(group).unzip()
+    }
+
     pub(super) fn keyframe_time(&self) -> Option<KeyframeTime> {
         let mut totals: Vec<f64> = self.keyframes.iter().map(|(_, s)| total_ms(s)).collect();
         totals.sort_by(f64::total_cmp);

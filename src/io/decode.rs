@@ -5,7 +5,7 @@ use crate::{
     msg::{
         Message, SkipCount, Skipped,
         cdr::decode,
-        convert::{self, ConvertError, RgbImage},
+        convert::{self, ColorMessage, ConvertError, RgbImage},
         sensor_msgs::CompressedImage,
         yolo_msgs::DetectionArray,
     },
@@ -101,11 +101,19 @@ fn depth(message: &RawMessage) -> Result<DepthMessage, ConvertError> {
 /// # Errors
 /// When the picture cannot be decoded.
 pub fn decode_color(message: &RawMessage) -> Result<RgbImage, ConvertError> {
-    if &*message.type_name == CompressedImage::TYPE {
-        convert::compressed_color_image(&decode(&message.data)?)
+    color_message(message)?.decoded()
+}
+
+/// The same as it came, for whoever knows only later whether it is to be drawn.
+///
+/// # Errors
+/// When the bytes are no image.
+pub fn color_message(message: &RawMessage) -> Result<ColorMessage, ConvertError> {
+    Ok(if &*message.type_name == CompressedImage::TYPE {
+        ColorMessage::Compressed(decode(&message.data)?)
     } else {
-        convert::color_image(&decode(&message.data)?)
-    }
+        ColorMessage::Raw(decode(&message.data)?)
+    })
 }
 
 /// Whether the topic carries fixed transforms; nothing if it carries none.

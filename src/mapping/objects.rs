@@ -16,7 +16,7 @@ use crate::{
     graph::{Graph, PoseId},
     time::Stamp,
 };
-use nalgebra::Matrix6;
+use nalgebra::{Matrix6, Point2};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -328,6 +328,11 @@ impl ObjectMap {
     /// Walls that poses are tied to, in the order in which they were first seen.
     pub fn walls(&self) -> impl Iterator<Item = Wall> + '_ {
         self.walls.all(&self.graph)
+    }
+
+    /// From where to where each of [`ObjectMap::walls`] has been seen, seen from above (m).
+    pub fn wall_ends(&self) -> impl Iterator<Item = [Point2<f64>; 2]> + '_ {
+        self.walls.ends(&self.graph)
     }
 
     /// All objects, also those seen too seldom to count.

@@ -11,7 +11,7 @@ use crate::{
         Factor, FactorId, Graph, NoiseError, PoseId, RightAngle, Variable, WallId, WallObservation,
     },
 };
-use nalgebra::{DMatrix, DVector, Matrix6, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix6, Point2, Point3, Vector3};
 use std::{collections::BTreeMap, f64::consts::FRAC_PI_2};
 
 /// What one image shows of a wall, in the frame of the base.
@@ -149,6 +149,17 @@ impl Walls {
     /// Where they are.
     pub(super) fn all<'a>(&'a self, graph: &'a Graph) -> impl Iterator<Item = Wall> + 'a {
         self.all.iter().map(|wall| graph.wall(wall.variable))
+    }
+
+    /// From where to where each has been seen, seen from above (m).
+    pub(super) fn ends<'a>(
+        &'a self,
+        graph: &'a Graph,
+    ) -> impl Iterator<Item = [Point2<f64>; 2]> + 'a {
+        self.all.iter().map(|wall| {
+            let at = graph.wall(wall.variable);
+            [wall.span.0, wall.span.1].map(|along| at.point + at.along() * along)
+        })
     }
 
     /// Which wall is seen.

@@ -12,7 +12,8 @@ use crate::{
         ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View, WallSighting,
     },
     perception::{
-        Detection, EllipsoidMeasurement, Glimpse, Refused, Stage, StageObserver, WallSegment,
+        DepthImage, Detection, EllipsoidMeasurement, Glimpse, Refused, Stage, StageObserver,
+        WallSegment,
     },
     time::Stamp,
 };
@@ -59,6 +60,12 @@ pub struct Keyframe {
     pub support_heights_m: Vec<f64>,
     /// Walls in sight, in the camera frame.
     pub walls: Vec<WallSegment>,
+    /// The camera that boxes and depth are of.
+    pub camera: Camera,
+    /// Pose of the camera on the base.
+    pub base_from_camera: Pose,
+    /// Depth as that camera sees it.
+    pub depth: DepthImage,
 }
 
 /// What came of one box.
@@ -258,7 +265,16 @@ impl ObjectSlam {
             .map(|p| camera_height_m - p.plane.offset / p.plane.normal.z)
             .collect();
         let walls = estimate.walls;
-        Keyframe { stamp, map_from_camera, boxes, support_heights_m, walls }
+        Keyframe {
+            stamp,
+            map_from_camera,
+            boxes,
+            support_heights_m,
+            walls,
+            camera,
+            base_from_camera,
+            depth,
+        }
     }
 }
 

@@ -25,14 +25,8 @@ pub fn draw_debug_image<'a>(
     objects: impl IntoIterator<Item = &'a MapObject>,
     view: &View,
 ) {
+    draw_objects(image, objects.into_iter().map(|o| (o.label(), o.ellipsoid(), o.outline)), view);
     let mut canvas = Canvas(image);
-    for object in objects {
-        let style = PrimitiveStyle::with_stroke(color(object.label()), 2);
-        for [from, to] in outline_in_image(&object.ellipsoid(), object.outline, view) {
-            let line = Line::new(pixel(from.x, from.y), pixel(to.x, to.y));
-            let Ok(()) = line.into_styled(style).draw(&mut canvas);
-        }
-    }
     for found in &keyframe.boxes {
         let label = found.detection.label();
         let color = if found.measurement.is_ok() { color(label) } else { Rgb888::CSS_GRAY };
@@ -50,13 +44,31 @@ pub fn draw_debug_image<'a>(
     }
 }
 
-/// Lines (px) that show a body of the map in the image: edges of a cuboid, the contour of anything else. Nothing for a body
+/// Draws the outlines of bodies in the map with the colours of their labels.
+pub fn draw_objects<'a>(
+    image: &mut RgbImage,
+    bodies: impl IntoIterator<Item = (&'a str, Ellipsoid, Outline)>,
+    view: &View,
+) {
+    let mut canvas = Canvas(image);
+    for (label, body, outline) in bodies {
+        let style = PrimitiveStyle::with_stroke(color(label), 2);
+        for [from, to] in outline_in_image(&body, outline, view) {
+            let line = Line::new(pixel(from.x, from.y), pixel(to.x, to.y));
+            let Ok(()) = line.into_styled(style).draw(&mut canvas);
+        }
+    }
+}
+
+/// Lines (px) that show a body of the map in the image: edges of a cuboid, the rims of a
+/// cylinder, the contour of anything else. Nothing for a body
 /// that reaches behind the camera.
 pub fn outline_in_image(body: &Ellipsoid, outline: Outline, view: &View) -> Vec<[Point2<f64>; 2]> {
     let in_camera = body.transformed(&view.map_from_camera.inverse());
     let strokes = match outline {
         Outline::Cuboid => edges(&in_camera),
-        _ => contour(&in_camera).into_iter().collect(),
+        Outline::Cylinder => rims(&in_camera),
+        Outline::Ellipsoid | Outline::Superquadric(..) => contour(&in_camera).into_iter().collect(),
     };
     let project = |points: &Vec<Point3<f64>>| {
         let pixels = points.iter().map(|p| view.camera.project(p).filter(|_| p.z > NEAR_M));
@@ -82,6 +94,25 @@ fn edges(body: &Ellipsoid) -> Vec<Vec<Point3<f64>>> {
             };
             strokes.push((0..=EDGE_PIECES).map(at).collect());
         }
+    }
+    strokes
+}
+
+/// The rims of an upright cylinder, and the lines between them where rays from the camera touch its side.
+fn rims(body: &Ellipsoid) -> Vec<Vec<Point3<f64>>> {
+    let at = |angle: f64, z: f64| {
+        let (sin, cos) = angle.sin_cos();
+        body.pose * Point3::from(Vector3::new(cos, sin, z).component_mul(&body.semi_axes))
+    };
+    let turn = |piece: u32| std::f64::consts::TAU * f64::from(piece) / f64::from(CONTOUR_PIECES);
+    let rim = |z: f64| (0..=CONTOUR_PIECES).map(|piece| at(turn(piece), z)).collect();
+    let mut strokes = vec![rim(-1.0), rim(1.0)];
+    let eye = body.pose.inverse_transform_point(&Point3::origin());
+    let eye = eye.coords.component_div(&body.semi_axes);
+    let distance = eye.xy().norm();
+    if distance > 1.0 {
+        let (middle, half) = (eye.y.atan2(eye.x), (1.0 / distance).acos());
+        strokes.extend([middle - half, middle + half].map(|a| vec![at(a, -1.0), at(a, 1.0)]));
     }
     strokes
 }

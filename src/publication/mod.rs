@@ -9,7 +9,7 @@ mod outgoing;
 mod query;
 mod way;
 
-pub use drawing::{draw_debug_image, outline_in_image};
+pub use drawing::{draw_debug_image, draw_objects, outline_in_image};
 pub use outgoing::{Outgoing, OutputTopic};
 pub use query::{View, query_objects};
 

@@ -16,9 +16,12 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("config", &["perception", "graph", "mapping", "pipeline"]),
     ("eval", &["time", "geometry"]),
     ("sim", &["time", "geometry"]),
-    ("report", &["time", "geometry", "mapping", "pipeline", "eval"]),
     ("msg", &["time", "geometry", "perception", "mapping", "pipeline"]),
     ("publication", &["time", "geometry", "mapping", "pipeline", "config", "msg"]),
+    (
+        "report",
+        &["time", "geometry", "perception", "mapping", "pipeline", "eval", "msg", "publication"],
+    ),
     ("io", &["time", "geometry", "perception", "mapping", "pipeline", "msg"]),
     (
         "ros",

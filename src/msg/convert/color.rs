@@ -106,6 +106,19 @@ pub fn jpeg(image: &RgbImage, quality: u8) -> Result<Vec<u8>, ConvertError> {
     Ok(file)
 }
 
+/// A PNG file.
+///
+/// # Errors
+/// When the data does not fit the size.
+pub fn png(image: &RgbImage) -> Result<Vec<u8>, ConvertError> {
+    let problem = |e: png::EncodingError| bad("png", e.to_string());
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, image.width, image.height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().and_then(|mut w| w.write_image_data(&image.data)).map_err(problem)?;
+    Ok(file)
+}
+
 /// Three samples of 8 bits a pixel: alpha and low bytes are dropped, gray is repeated.
 fn rgb_of(pixels: Pixels) -> RgbImage {
     let Pixels { width, height, channels, bits, data } = pixels;

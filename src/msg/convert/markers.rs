@@ -5,6 +5,7 @@ use crate::{
     geometry::{Ellipsoid, Plane, Pose},
     mapping::{MapObject, ObjectId},
     msg::{
+        coco::NAMES,
         geometry_msgs::Vector3,
         std_msgs::ColorRGBA,
         visualization_msgs::{Marker, MarkerArray},
@@ -155,19 +156,35 @@ fn with_alpha([r, g, b]: [f32; 3], a: f32) -> ColorRGBA {
     ColorRGBA { r, g, b, a }
 }
 
-/// A colour (red, green, blue in [0, 1]) that stays with the class: hues by a hash of the name, so that any class has one.
+/// A colour (red, green, blue in [0, 1]) that stays with the class: COCO's by their number, so that things that are seen together
+/// differ, others by a hash of the name.
 pub fn color_of(label: &str) -> [f32; 3] {
     // FNV-1a: spreads short names well and is the same everywhere.
-    let hash = label
-        .bytes()
-        .fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
-    let hue = f64::from(hash % 360) / 60.0;
-    let channel = |offset: f64| {
-        let k = (offset + hue) % 6.0;
-        (0.95 - 0.75 * k.min(4.0 - k).clamp(0.0, 1.0)) as f32
+    let hash = || {
+        let mix = |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        label.bytes().fold(0x811c_9dc5, mix) as usize
     };
-    [channel(5.0), channel(3.0), channel(1.0)]
+    let number = NAMES.iter().position(|name| *name == label).unwrap_or_else(hash);
+    COLORS[number % COLORS.len()].map(|part| f32::from(part) / 255.0)
 }
+
+/// Colours that the colour-blind can tell apart: those of Okabe and Ito (2008), and between them Tol's (2021).
+const COLORS: [[u8; 3]; 14] = [
+    [230, 159, 0],
+    [68, 170, 153],
+    [153, 153, 51],
+    [213, 94, 0],
+    [221, 204, 119],
+    [136, 204, 238],
+    [86, 180, 233],
+    [181, 68, 110],
+    [240, 228, 66],
+    [204, 102, 119],
+    [0, 158, 115],
+    [59, 142, 219],
+    [119, 119, 204],
+    [204, 121, 167],
+];
 
 const TEXT_HEIGHT_M: f64 = 0.12;
 /// How thick a plane is drawn (m).

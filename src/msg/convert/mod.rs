@@ -2,6 +2,7 @@
 
 mod camera;
 mod color;
+mod color_message;
 mod compressed;
 mod depth;
 mod detections;
@@ -15,8 +16,9 @@ mod pose;
 pub use camera::{camera, camera_info};
 pub use color::{
     RgbImage, color_image, color_image_message, compressed_color_image, compressed_color_message,
-    jpeg,
+    jpeg, png,
 };
+pub use color_message::ColorMessage;
 pub use compressed::{compressed_depth_message, png_depth};
 pub use depth::{compressed_depth_image, depth_image, depth_image_message};
 pub use detections::{detection_array, detections, yolo_detections};

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Looks at reports in a real Chromium (Debian's) without a screen: of the demo, of an empty map, of 1,000 objects, and of a
+# real recording where there is one. Pictures of them are in target/report.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+work=$PWD/target/report
+python=$work/python
+mkdir -p "$work"
+
+requirements=tests/report/requirements.txt
+if ! cmp -s "$requirements" "$python/installed.txt"; then
+  python3 -m venv --clear "$python"
+  "$python/bin/pip" install -q -r "$requirements"
+  cp "$requirements" "$python/installed.txt"
+fi
+
+program=target/debug/ellipsoid_slam
+[ -f target/demo/report.html ] || "$program" demo > /dev/null
+cp target/demo/report.html "$work/demo.html"
+# Nothing has as many points as this asks for, and no box alone makes an object.
+printf '%s\n' 'ellipsoid_slam:' '  ros__parameters:' '    perception:' '      glimpses: false' '      segmentation:' \
+  '        min_points: 1000000' > "$work/nothing.yaml"
+"$program" replay bags/desk.mcap --config "$work/nothing.yaml" --output "$work/nothing" --force > /dev/null
+cp "$work/nothing/report.html" "$work/empty.html"
+
+recordings=()
+data=${ELLIPSOID_SLAM_DATA:-../shared/data}
+if [ -d "$data/tum_fr3_cabinet" ]; then
+  "$program" import tum "$data/tum_fr3_cabinet" --output "$work/cabinet.mcap" --force > /dev/null
+  "$program" replay "$work/cabinet.mcap" --output "$work/cabinet" --force > /dev/null
+  cp "$work/cabinet/report.html" "$work/recording.html"
+  recordings=("$work/recording.html")
+fi
+"$python/bin/python" tests/report/check.py "$work" "$work/demo.html" "$work/empty.html" "${recordings[@]}"

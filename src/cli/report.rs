@@ -1,0 +1,130 @@
+//! The report of a replay: what it listens to in the bag, and the files that come of it.
+
+use super::{report_truth::HeardTruth, timing::Stopwatch};
+use crate::{
+    eval::GroundTruth,
+    geometry::Pose,
+    io::{BagInput, Messages, color_message, map_json, write_atomically},
+    mapping::SavedMap,
+    msg::convert::png,
+    pipeline::{ObjectSlam, Update},
+    report::{Clock, Page, Recorder, Truth, plan},
+    time::Stamp,
+};
+use anyhow::Context;
+use serde_json::Value;
+use std::{
+    fs,
+    iter::Peekable,
+    path::{Path, PathBuf},
+};
+
+/// Everything that a report writes.
+pub(super) const FILES: [&str; 6] =
+    ["report.html", "map.svg", "overlay_1.png", "overlay_2.png", "overlay_3.png", "overlay_4.png"];
+
+/// Reads what only a report needs beside the inputs of the core, as far as these have come.
+pub(super) struct Reporter<'a> {
+    messages: Peekable<Messages<'a>>,
+    rgb: Option<String>,
+    recorder: Recorder,
+    truth: HeardTruth,
+    /// Where it stands, and what it says.
+    given: Option<(PathBuf, GroundTruth)>,
+}
+
+/// What the run says of itself at its end.
+pub(super) struct Ended<'a> {
+    pub(super) bag: &'a Path,
+    pub(super) map: &'a SavedMap,
+    /// After all optimisation.
+    pub(super) trajectory: &'a [(Stamp, Pose)],
+    pub(super) warnings: &'a [String],
+    pub(super) summary: Value,
+    pub(super) clock: Clock,
+}
+
+impl<'a> Reporter<'a> {
+    pub(super) fn new(input: &'a BagInput, given: Option<(PathBuf, GroundTruth)>) -> Self {
+        let rgb = input.roles().rgb.clone();
+        let topics = rgb.iter().map(String::as_str).chain(HeardTruth::TOPICS);
+        Self {
+            messages: input.bag().messages().only(topics).peekable(),
+            rgb,
+            recorder: Recorder::default(),
+            truth: HeardTruth::default(),
+            given,
+        }
+    }
+
+    /// Reads on until a time of recording.
+    pub(super) fn read_until(&mut self, log_time: Stamp) {
+        while let Some(message) = self.messages.next_if(|next| next.log_time <= log_time) {
+            if self.rgb.as_deref() == Some(&*message.topic) {
+                match color_message(&message) {
+                    Ok(image) => self.recorder.hear_color(image),
+                    Err(why) => tracing::debug!("a colour image cannot be read: {why}"),
+                }
+            } else {
+                self.truth.hear(&message);
+            }
+        }
+    }
+
+    pub(super) fn take(&mut self, update: &Update, slam: &ObjectSlam) {
+        self.recorder.take(update, slam);
+    }
+
+    /// Writes page, plan and pictures; each is whole or not there.
+    pub(super) fn finish(
+        self,
+        folder: &Path,
+        slam: &ObjectSlam,
+        ended: Ended<'_>,
+    ) -> anyhow::Result<()> {
+        let recorded = self.recorder.finish(slam);
+        let truth = match self.given {
+            Some((path, truth)) => Some((path.display().to_string(), truth)),
+            None => self.truth.objects().map(|truth| ("the bag's topics".to_owned(), truth)),
+        };
+        let truth = truth.filter(|(_, truth)| truth.frame_id == ended.map.frame_id);
+        let poses = (ended.trajectory, self.truth.poses());
+        let truth = truth.map(|(source, objects)| Truth::new(&source, ended.map, &objects, poses));
+        let page = recorded.page(&Page {
+            title: &ended.bag.file_name().unwrap_or_default().to_string_lossy(),
+            map: ended.map,
+            map_json: &map_json(ended.map)?,
+            warnings: ended.warnings,
+            summary: ended.summary,
+            truth,
+            clock: &ended.clock,
+        })?;
+        let poses: Vec<Pose> = ended.trajectory.iter().map(|(_, pose)| *pose).collect();
+        let mut files =
+            vec![page.into_bytes(), plan(ended.map, &poses, recorded.walls()).into_bytes()];
+        for picture in recorded.overlays(ended.map) {
+            files.push(png(&picture)?);
+        }
+        let write = |(name, bytes): (&&str, Vec<u8>)| {
+            let path = folder.join(name);
+            write_atomically(&path, &bytes)
+                .with_context(|| format!("cannot write {}", path.display()))
+        };
+        let kept = files.len();
+        FILES.iter().zip(files).try_for_each(write)?;
+        // Of an earlier replay into the same folder; fails where there are none.
+        FILES[kept..].iter().for_each(|name| drop(fs::remove_file(folder.join(name))));
+        Ok(())
+    }
+}
+
+/// The clock's readings of a run.
+pub(super) fn clock(stopwatch: &Stopwatch, seconds: f64, peak_memory_mb: Option<f64>) -> Clock {
+    let (t, ms) = stopwatch.profile(PLOTTED_KEYFRAMES);
+    let stages = crate::perception::Stage::ALL.map(crate::perception::Stage::name).to_vec();
+    let mean_ms = stopwatch.keyframe_time().map(|time| time.mean_ms);
+    Clock { seconds, peak_memory_mb, mean_ms, stages, t, ms }
+}
+
+/// Bars of the plot of time a stage.
+const PLOTTED_KEYFRAMES: usize = 150;
