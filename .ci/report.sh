@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Looks at reports in a real Chromium (Debian's) without a screen: of the demo, of an empty map, of 1,000 objects, and of a
-# real recording where there is one. Pictures of them are in target/report.
+# real recording where there is one. Pictures of them are in target/report; those in docs/images have to look like them.
+# `report.sh --pictures` makes these anew.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 work=$PWD/target/report
@@ -32,3 +33,18 @@ if [ -d "$data/tum_fr3_cabinet" ]; then
   recordings=("$work/recording.html")
 fi
 "$python/bin/python" tests/report/check.py "$work" "$work/demo.html" "$work/empty.html" "${recordings[@]}"
+
+# What of a picture may differ: letters, the clock's readings.
+for name in demo recording; do
+  [ -f "$work/$name.png" ] || continue
+  convert "$work/$name.png" -resize 1080x -quality 86 "$work/report_$name.jpg"
+  kept=docs/images/report_$name.jpg
+  if [ "${1:-}" = --pictures ]; then
+    mkdir -p docs/images
+    cp "$work/report_$name.jpg" "$kept"
+  fi
+  [ -f "$kept" ] || continue
+  off=$(compare -metric RMSE "$work/report_$name.jpg" "$kept" null: 2>&1 | sed 's/.*(\(.*\))/\1/' || true)
+  echo "report: $kept is off by $off"
+  awk -v off="$off" 'BEGIN { exit !(off < 0.06) }' || { echo "run .ci/report.sh --pictures and look at $kept" >&2; exit 1; }
+done

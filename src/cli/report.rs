@@ -88,8 +88,10 @@ impl<'a> Reporter<'a> {
             None => self.truth.objects().map(|truth| ("the bag's topics".to_owned(), truth)),
         };
         let truth = truth.filter(|(_, truth)| truth.frame_id == ended.map.frame_id);
-        let poses = (ended.trajectory, self.truth.poses());
-        let truth = truth.map(|(source, objects)| Truth::new(&source, ended.map, &objects, poses));
+        let truth = truth.map(|(source, objects)| {
+            let truth = Truth::new(&source, ended.map, &objects);
+            truth.with_poses(ended.trajectory, self.truth.poses())
+        });
         let page = recorded.page(&Page {
             title: &ended.bag.file_name().unwrap_or_default().to_string_lossy(),
             map: ended.map,

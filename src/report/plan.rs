@@ -63,8 +63,8 @@ impl Sheet {
 pub fn plan(map: &SavedMap, way: &[Pose], walls: &[[Point2<f64>; 2]]) -> String {
     let feet: Vec<Vec<Point2<f64>>> = map.objects.iter().map(footprint).collect();
     let base = || way.iter().map(|pose| Point2::from(pose.translation.vector.xy()));
-    let ends = || walls.iter().flatten().copied();
-    let sheet = Sheet::over(feet.iter().flatten().copied().chain(base()).chain(ends()));
+    // Walls end where the sheet does: they are longer than what is of interest.
+    let sheet = Sheet::over(feet.iter().flatten().copied().chain(base()));
     let (width, height) = sheet.size_px;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
@@ -165,7 +165,10 @@ fn footprint(object: &SavedObject) -> Vec<Point2<f64>> {
 /// Names with sizes, each beside its object and none over another one.
 fn names(svg: &mut String, sheet: &Sheet, objects: &[SavedObject], feet: &[Vec<Point2<f64>>]) {
     let mut placed: Vec<[f64; 4]> = Vec::new();
-    for (object, foot) in objects.iter().zip(feet) {
+    let mut smallest_first: Vec<usize> = (0..objects.len()).collect();
+    let area = |at: usize| objects[at].ellipsoid.semi_axes.xy().product();
+    smallest_first.sort_by(|a, b| area(*a).total_cmp(&area(*b)));
+    for (object, foot) in smallest_first.into_iter().map(|at| (&objects[at], &feet[at])) {
         let name = format!("{} {}", object.label, object.id);
         let [x, y, z]: [f64; 3] = (object.ellipsoid.semi_axes * 2.0).into();
         let size = format!("{x:.2} × {y:.2} × {z:.2} m");
@@ -180,12 +183,12 @@ fn names(svg: &mut String, sheet: &Sheet, objects: &[SavedObject], feet: &[Vec<P
         let at = free_place(center, reach, extent, sheet.size_px, &placed);
         placed.push(at);
         let (left, top) = (at[0], at[1]);
-        let (middle, low) = (0.5 * (at[0] + at[2]), 0.5 * (at[1] + at[3]));
-        if (middle - center.0).hypot(low - center.1) > reach + 0.5 * extent.0 {
+        let end = (center.0.clamp(at[0], at[2]), center.1.clamp(at[1], at[3]));
+        if (end.0 - center.0).hypot(end.1 - center.1) > reach {
             let _ = writeln!(
                 svg,
-                "<path d=\"M{:.1} {:.1}L{middle:.1} {low:.1}\" stroke=\"#555555\" stroke-width=\"0.6\"/>",
-                center.0, center.1
+                "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"#555555\" stroke-width=\"0.7\"/>",
+                center.0, center.1, end.0, end.1
             );
         }
         let _ = writeln!(

@@ -32,13 +32,8 @@ struct TrueBody {
 }
 
 impl Truth {
-    /// Measures a map, and the poses of the base after all optimisation where true ones are known.
-    pub fn new(
-        source: &str,
-        map: &SavedMap,
-        objects: &GroundTruth,
-        (poses, true_poses): (&[(Stamp, Pose)], &[(Stamp, Pose)]),
-    ) -> Self {
+    /// Measures a map; `source` says where the truth is from.
+    pub fn new(source: &str, map: &SavedMap, objects: &GroundTruth) -> Self {
         let estimated = map.objects.iter().map(|object| EstimatedObject {
             id: object.id,
             label: object.label.clone(),
@@ -55,18 +50,25 @@ impl Truth {
                 size: object.size.into(),
             }
         });
+        Self {
+            source: source.to_owned(),
+            objects: bodies.collect(),
+            scores: evaluate(&estimated.collect::<Vec<_>>(), objects),
+            trajectory: None,
+            way: Vec::new(),
+        }
+    }
+
+    /// Measures the poses of the base after all optimisation, too, where they have true ones.
+    #[must_use]
+    pub fn with_poses(self, poses: &[(Stamp, Pose)], true_poses: &[(Stamp, Pose)]) -> Self {
         let every = true_poses.len().div_ceil(Recorded::MAX_WAY).max(1);
         let way = true_poses.iter().step_by(every).map(|(_, pose)| {
             let at = pose.translation.vector;
             [at.x, at.y, at.z].map(rounded)
         });
-        Self {
-            source: source.to_owned(),
-            objects: bodies.collect(),
-            scores: evaluate(&estimated.collect::<Vec<_>>(), objects),
-            trajectory: evaluate_trajectory(poses, true_poses).ok(),
-            way: way.collect(),
-        }
+        let trajectory = evaluate_trajectory(poses, true_poses).ok();
+        Self { trajectory, way: way.collect(), ..self }
     }
 
     /// Of all its objects.

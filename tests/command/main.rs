@@ -11,5 +11,6 @@ mod gtsam;
 mod kill;
 mod python;
 mod replay;
+mod report;
 mod second_visit;
 mod run;

@@ -3,7 +3,10 @@
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Pose, Rect},
     io::BagWriter,
-    msg::convert::{camera_info, depth_image_message, detection_array, odometry_message},
+    msg::{
+        convert::{camera_info, depth_image_message, detection_array, header, odometry_message},
+        sensor_msgs::CompressedImage,
+    },
     perception::{DepthImage, Detection},
     pipeline::{CameraMessage, CameraRole, DepthMessage, DetectionsMessage, OdometryMessage},
     time::Stamp,
@@ -53,7 +56,13 @@ pub(crate) enum Flaw {
     NoPose,
     NanPose,
     BoxesOutside,
+    /// A label that is HTML.
+    HostileLabel,
+    /// Colour images that are none.
+    BrokenColor,
 }
+
+pub(crate) const HOSTILE_LABEL: &str = "</script><img src=x onerror=alert(1)>";
 
 pub(crate) fn stamp(i: usize) -> Stamp {
     Stamp::from_nanos(1_700_000_000_000_000_000 + 200_000_000 * i as i64)
@@ -140,10 +149,16 @@ pub(crate) fn write_bag(path: &Path, flaw: Flaw) {
         let shift = if flaw == Flaw::BoxesOutside { 1000.0 } else { 0.0 };
         let rect =
             Rect::new(rect.x_min + shift, rect.y_min, rect.x_max + shift, rect.y_max).unwrap();
+        let label = if flaw == Flaw::HostileLabel { HOSTILE_LABEL } else { "suitcase" };
+        if flaw == Flaw::BrokenColor {
+            let (format, data) = ("jpeg".into(), vec![0xff, 0xd8, 0xff, 0x00]);
+            let image = CompressedImage { header: header(at, CAMERA), format, data };
+            bag.write("/camera/image/compressed", &image, at).unwrap();
+        }
         let boxes = DetectionsMessage {
             stamp: at,
             frame_id: CAMERA.into(),
-            detections: vec![Detection::new(rect, vec![("suitcase".into(), 0.9)]).unwrap()],
+            detections: vec![Detection::new(rect, vec![(label.into(), 0.9)]).unwrap()],
         };
         if flaw != Flaw::NoPose {
             bag.write("/odom", &odometry_message(&odometry), at).unwrap();

@@ -44,6 +44,21 @@ fn a_cuboid_is_outlined_by_its_edges() {
 }
 
 #[test]
+fn a_cylinder_is_outlined_by_its_rims() {
+    // The optical frame's y is the object's axis turned upright: seen from the side, its rims are lines.
+    let upright = UnitQuaternion::from_euler_angles(-std::f64::consts::FRAC_PI_2, 0.0, 0.0);
+    let pose = Pose::from_parts(Translation3::new(1.0, 0.0, 4.0), upright);
+    let body = Ellipsoid::new(pose, Vector3::new(1.0, 1.0, 0.5));
+    let lines = outline_in_image(&body, Outline::Cylinder, &view());
+    let pixels = || lines.iter().flatten();
+    // Rays touch the side where the ellipsoid's would; the nearest point of a rim is at 3 m.
+    let right = pixels().map(|p| p.x).fold(f64::MIN, f64::max);
+    assert!((right - (320.0 + 500.0 / 15.0_f64.sqrt())).abs() < 1.0, "{right}");
+    let low = pixels().map(|p| p.y).fold(f64::MIN, f64::max);
+    assert!((low - (240.0 + 500.0 * 0.5 / 3.0)).abs() < 1e-6, "{low}");
+}
+
+#[test]
 fn covariances_are_turned_to_fixed_axes() {
     // Base turned left by a quarter: its x is the map's y.
     let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, std::f64::consts::FRAC_PI_2);

@@ -4,7 +4,7 @@
 const LAYERS = [
   ["outlines", "Objects", true], ["names", "Names", true], ["boxes", "Boxes round them", false], ["uncertainty", "Uncertainty (2 σ)", false],
   ["points", "Points", true], ["planes", "Support planes", false], ["walls", "Walls", true], ["way", "Way, optimised", true, "#0f8fd6"],
-  ["odometry", "Way by odometry", true, "#d55e00"], ["camera", "Camera", true, "#e69f00"], ["truth", "Truth", true, "var(--text)"],
+  ["odometry", "Way by odometry", true, "#d55e00"], ["camera", "Camera", true, "#e69f00"], ["truth", "Truth", false, "var(--text)"],
 ];
 const KEYS = [
   ["Space", "play, pause"], ["← →", "earlier, later (anywhere but in the map)"], ["Home End", "begin, end"], ["/", "search labels"],
@@ -28,7 +28,7 @@ function setStep(step) {
   const objects = objectsAt(state.step);
   $("slider").value = state.step;
   const t = timeOf(state.step);
-  $("clock-time").textContent = isEnd(state.step) ? `end · ${objects.length} objects` : `${seconds(t)} of ${seconds(duration)} · ${objects.length}`;
+  $("clock-time").textContent = isEnd(state.step) ? `end · ${counted(objects.length, "object")}` : `${seconds(t)} of ${seconds(duration)} · ${objects.length}`;
   $("slider").setAttribute("aria-valuetext", $("clock-time").textContent);
   view?.setStep(objects, state.step);
   drawImage(state.step, state.selected);
@@ -197,7 +197,7 @@ function begin() {
   $("title").textContent = run.title;
   const figure = (value, words) => make("span", {}, make("b", {}, String(value)), ` ${words}`);
   $("figures").append(
-    figure(map.objects.length, "objects"), figure(run.summary.keyframes, "keyframes"), figure(seconds(duration), "drive"),
+    figure(map.objects.length, map.objects.length === 1 ? "object" : "objects"), figure(run.summary.keyframes, "keyframes"), figure(seconds(duration), "drive"),
     figure(run.summary.boxes, "boxes"), ...(clock.mean_ms ? [figure(clock.mean_ms.toFixed(1), "ms a keyframe")] : []),
   );
   const trouble = (words) => { $("trouble").textContent = words; $("trouble").hidden = false; };

@@ -37,7 +37,7 @@ function drawImage(step, selected) {
   }
   paint();
   const labels = new Map([...trackList, ...map.objects].map((object) => [object.id, object.label]));
-  canvas.setAttribute("aria-label", at ? `${at.boxes.length} boxes of the detector` : "no image");
+  canvas.setAttribute("aria-label", at ? `${counted(at.boxes.length, "box", "boxes")} of the detector` : "no image");
   $("caption").replaceChildren(
     make("span", {}, at ? (at.jpeg ? "colour image, boxes, outlines of objects" : "no colour image; boxes and outlines") : "no keyframe"),
     make("span", {}, isEnd(step) ? "after all optimisation" : ""),
@@ -81,7 +81,7 @@ function drawOver(pen, at, scale, selected) {
 function listBoxes(at, labels) {
   const boxes = at ? at.boxes : [];
   const refused = boxes.filter((box) => box.refused);
-  $("boxes").querySelector("summary").textContent = `${boxes.length} boxes, ${refused.length} refused`;
+  $("boxes").querySelector("summary").textContent = `${counted(boxes.length, "box", "boxes")}, ${refused.length} refused`;
   const items = [...refused, ...boxes.filter((box) => !box.refused)].map((box) => {
     const object = box.object === null ? "no object yet" : `object ${box.object}${labels.has(box.object) ? ` (${labels.get(box.object)})` : ""}`;
     const words = box.refused ? `refused: ${box.refused}${box.object === null ? "" : `; a glimpse of ${object}`}` : object;

@@ -180,7 +180,7 @@ class View {
     geometry.setAttribute("position", new THREE.BufferAttribute(mixedSteps, 3));
     geometry.setAttribute("color", new THREE.BufferAttribute(mixedShades, 3, true));
     const material = new THREE.ShaderMaterial({
-      uniforms: { size: { value: 0.9 * run.points.voxel_m }, height: { value: 1 } },
+      uniforms: { size: { value: 1.5 * run.points.voxel_m }, height: { value: 1 } },
       vertexShader: `attribute vec3 color; uniform float size; uniform float height; varying vec3 shade;
         void main() {
           shade = color;
@@ -405,14 +405,27 @@ class View {
     const middle = low.map((value, axis) => (value + high[axis]) / 2);
     const radius = Math.hypot(...low.map((value, axis) => high[axis] - value)) / 2;
     const across = Math.min(1, this.camera.aspect);
-    const distance = (0.86 * radius) / Math.sin((this.camera.fov * Math.PI) / 360) / across;
-    const direction = fromAbove ? [0, -0.0001, 1] : [-0.62, -0.62, 0.52];
+    const distance = (0.68 * radius) / Math.sin((this.camera.fov * Math.PI) / 360) / across;
+    const direction = fromAbove ? [0, -0.0001, 1] : this.side(middle);
     const length = Math.hypot(...direction);
     this.controls.target.set(...middle);
     this.camera.position.set(...middle.map((value, axis) => value + (distance * direction[axis]) / length));
     this.controls.update();
     this.camera.updateMatrixWorld();
     this.invalidate();
+  }
+
+  /** From where the base was: what it saw has its front there. */
+  side(middle) {
+    const mean = (axis) => run.way.reduce((sum, pose) => sum + pose[1 + axis], 0) / Math.max(run.way.length, 1);
+    const [x, y] = [0, 1].map((axis) => mean(axis) - this.objectMiddle(axis, middle[axis]));
+    const length = Math.hypot(x, y);
+    return length > 0.5 ? [(0.88 * x) / length, (0.88 * y) / length, 0.52] : [-0.62, -0.62, 0.52];
+  }
+
+  objectMiddle(axis, otherwise) {
+    const all = map.objects.map((object) => object.position[axis]);
+    return all.length ? all.reduce((sum, value) => sum + value, 0) / all.length : otherwise;
   }
 
   setFollow(follows) {
