@@ -34,6 +34,16 @@ if [ -d "$data/tum_fr3_cabinet" ]; then
 fi
 "$python/bin/python" tests/report/check.py "$work" "$work/demo.html" "$work/empty.html" "${recordings[@]}"
 
+if [ "${1:-}" = --pictures ]; then
+  mkdir -p docs/images
+  cp target/demo/map.svg docs/images/map.svg
+  "$program" simulate --scene home --trajectory forward --seed 3 --output "$work/home.mcap" --force > /dev/null
+  "$program" replay "$work/home.mcap" --output "$work/home" --ground-truth "$work/home.gt.json" --force > /dev/null
+  "$python/bin/python" tests/report/figures.py "$work" "$work/recording.html" "$work/home/report.html"
+  montage "$work"/process_image_?.png "$work"/process_view_?.png -tile 3x2 -geometry 420x320+4+4 -quality 86 docs/images/process.jpg
+  convert "$work/forward.png" -resize 1000x -quality 86 docs/images/forward.jpg
+fi
+
 # What of a picture may differ: letters, the clock's readings.
 for name in demo recording; do
   [ -f "$work/$name.png" ] || continue

@@ -31,6 +31,7 @@ pub(super) fn run(args: &Args) -> Outcome {
         force: true,
         json: false,
         no_report: args.no_report,
+        no_images: false,
         ground_truth: None,
     };
     replay::run(&replay_args)?;

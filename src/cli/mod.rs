@@ -8,6 +8,7 @@ macro_rules! say {
     }};
 }
 
+mod annotated;
 mod config;
 mod demo;
 mod eval;

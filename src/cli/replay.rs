@@ -54,6 +54,9 @@ pub(super) struct Args {
     /// Write no report.html and no pictures.
     #[arg(long)]
     pub(super) no_report: bool,
+    /// Leave the images with boxes and outlines out of result.mcap.
+    #[arg(long)]
+    pub(super) no_images: bool,
     /// The true objects, for the report to compare with; otherwise what the bag has under /ground_truth/.
     #[arg(long, value_name = "FILE.gt.json", conflicts_with = "no_report")]
     pub(super) ground_truth: Option<PathBuf>,
@@ -168,7 +171,7 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
         args.ground_truth.as_deref().map(|path| Ok((path.to_owned(), read_ground_truth(path)?)));
     let truth: Option<_> = truth.transpose().map_err(Failure::Failed)?;
     let reporter = (!args.no_report).then(|| Reporter::new(&input, truth));
-    let mut run = Run::new(Results::create(folder, &parameters.node)?, reporter);
+    let mut run = Run::new(Results::create(folder, &parameters.node)?, reporter, !args.no_images);
     let progress = ProgressBar::new(input.message_count());
     let mut inputs = input.inputs();
     while let Some(message) = inputs.next() {
@@ -224,6 +227,8 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
 struct Run<'a> {
     results: Results,
     reporter: Option<Reporter<'a>>,
+    /// Whether images with boxes and outlines belong to the results.
+    images: bool,
     stopwatch: Stopwatch,
     frames: usize,
     keyframes: usize,
@@ -239,10 +244,11 @@ struct Counted {
 }
 
 impl<'a> Run<'a> {
-    fn new(results: Results, reporter: Option<Reporter<'a>>) -> Self {
+    fn new(results: Results, reporter: Option<Reporter<'a>>, images: bool) -> Self {
         Self {
             results,
             reporter,
+            images,
             stopwatch: Stopwatch::default(),
             frames: 0,
             keyframes: 0,
@@ -263,7 +269,10 @@ impl<'a> Run<'a> {
     fn take(&mut self, update: &Update, slam: &ObjectSlam) -> anyhow::Result<()> {
         self.results.take(update, slam)?;
         if let Some(reporter) = &mut self.reporter {
-            reporter.take(update, slam);
+            let annotated = reporter.take(update, slam);
+            for (stamp, image) in annotated.iter().filter(|_| self.images) {
+                self.results.annotated(*stamp, image)?;
+            }
         }
         self.frames += update.poses.len();
         for keyframe in &update.keyframes {

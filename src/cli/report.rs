@@ -1,12 +1,12 @@
 //! The report of a replay: what it listens to in the bag, and the files that come of it.
 
-use super::{report_truth::HeardTruth, timing::Stopwatch};
+use super::{annotated::Annotator, report_truth::HeardTruth, timing::Stopwatch};
 use crate::{
     eval::GroundTruth,
     geometry::Pose,
     io::{BagInput, Messages, color_message, map_json, write_atomically},
     mapping::SavedMap,
-    msg::convert::png,
+    msg::{convert::png, sensor_msgs::CompressedImage},
     pipeline::{ObjectSlam, Update},
     report::{Clock, Page, Recorder, Truth, plan},
     time::Stamp,
@@ -28,6 +28,7 @@ pub(super) struct Reporter<'a> {
     messages: Peekable<Messages<'a>>,
     rgb: Option<String>,
     recorder: Recorder,
+    annotator: Annotator,
     truth: HeardTruth,
     /// Where it stands, and what it says.
     given: Option<(PathBuf, GroundTruth)>,
@@ -52,6 +53,7 @@ impl<'a> Reporter<'a> {
             messages: input.bag().messages().only(topics).peekable(),
             rgb,
             recorder: Recorder::default(),
+            annotator: Annotator::default(),
             truth: HeardTruth::default(),
             given,
         }
@@ -71,8 +73,18 @@ impl<'a> Reporter<'a> {
         }
     }
 
-    pub(super) fn take(&mut self, update: &Update, slam: &ObjectSlam) {
-        self.recorder.take(update, slam);
+    /// Takes note of what came of an input. Returns images with boxes and outlines drawn into them.
+    pub(super) fn take(
+        &mut self,
+        update: &Update,
+        slam: &ObjectSlam,
+    ) -> Vec<(Stamp, CompressedImage)> {
+        let shown = self.recorder.take(update, slam).into_iter();
+        let annotated = shown.filter_map(|shown| {
+            let keyframe = &update.keyframes[shown.keyframe];
+            Some((keyframe.stamp, self.annotator.annotate(shown, keyframe, slam)?))
+        });
+        annotated.collect()
     }
 
     /// Writes page, plan and pictures; each is whole or not there.

@@ -1,12 +1,12 @@
 //! The files of a replay.
 
-use super::{Failure, report};
+use super::{Failure, annotated, report};
 use crate::{
     config::NodeSettings,
     geometry::Pose,
     io::{BagError, BagWriter, map_json, trajectory_text, write_atomically},
     mapping::SavedMap,
-    msg::convert::tf_message,
+    msg::{convert::tf_message, sensor_msgs::CompressedImage},
     pipeline::{FramePose, Input, ObjectSlam, Update},
     publication::{Outgoing, OutputTopic, Publication, base_transform},
     time::Stamp,
@@ -117,6 +117,15 @@ impl Results {
             self.bag.write_raw(&topic, type_name, &data, *stamp)?;
         }
         Ok(())
+    }
+
+    /// An image with boxes and outlines drawn into it.
+    pub(super) fn annotated(
+        &mut self,
+        stamp: Stamp,
+        image: &CompressedImage,
+    ) -> anyhow::Result<()> {
+        Ok(self.bag.write(annotated::TOPIC, image, stamp)?)
     }
 
     /// Stamp of the latest pose.

@@ -43,6 +43,7 @@ pub(super) const NODE_KEYS: &[Key] = &[
     .at_start(),
     other("map.save_on_shutdown", "save it when the node is stopped"),
     other("publish", "What is published besides markers, boxes, objects, path and odometry."),
+    other("publish.ellipsoids", "mark objects by their ellipsoids, not by their outlines"),
     other("publish.cuboids", "mark objects by the box round them, too"),
     other(
         "publish.measurements",

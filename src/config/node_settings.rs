@@ -129,6 +129,8 @@ pub struct MapFileSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PublishSettings {
+    /// Whether objects are marked by their ellipsoids, as the paper draws them, and not by their outlines.
+    pub ellipsoids: bool,
     /// Whether an object is also marked by the box round it.
     pub cuboids: bool,
     /// Whether what single images say is published: ellipsoids, symmetry and support planes.
@@ -174,6 +176,7 @@ impl Default for TopicSettings {
 impl Default for PublishSettings {
     fn default() -> Self {
         Self {
+            ellipsoids: false,
             cuboids: false,
             measurements: false,
             landmarks: false,

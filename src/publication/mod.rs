@@ -18,9 +18,9 @@ use crate::{
     mapping::{MapObject, ObjectId},
     msg::{
         convert::{
-            deletion_markers, detections_3d, header, landmark_detections, measurement_array,
-            measurement_markers, object_array, object_markers, odometry_message, path,
-            pose_covariance, tf_message,
+            ObjectShapes, deletion_markers, detections_3d, header, landmark_detections,
+            measurement_array, measurement_markers, object_array, object_markers, odometry_message,
+            path, pose_covariance, tf_message,
         },
         visualization_msgs::MarkerArray,
     },
@@ -198,8 +198,9 @@ impl Publication {
         });
         let (settings, frame) = (&self.settings, self.map_frame.as_str());
         let mut markers = deletion_markers(self.gone.keys().copied(), stamp, frame).markers;
-        let shapes = object_markers(objects.iter().copied(), settings.cuboids, stamp, frame);
-        markers.extend(shapes.markers);
+        let shapes = ObjectShapes { ellipsoids: settings.ellipsoids, cuboids: settings.cuboids };
+        let shown = object_markers(objects.iter().copied(), shapes, stamp, frame);
+        markers.extend(shown.markers);
         out.push((stamp, Outgoing::Markers(MarkerArray { markers })));
         out.push((stamp, Outgoing::Boxes(detections_3d(objects.iter().copied(), stamp, frame))));
         out.push((stamp, Outgoing::Objects(object_array(objects.iter().copied(), stamp, frame))));

@@ -20,7 +20,7 @@ mod truth;
 pub use page::{Clock, Page};
 pub use plan::plan;
 pub use recorded::Recorded;
-pub use recorder::Recorder;
+pub use recorder::{Recorder, Shown};
 pub use truth::Truth;
 
 /// To the millimetre, the millisecond or a thousandth: what is drawn needs no more.

@@ -51,6 +51,17 @@ pub struct Recorder {
     images: Images,
 }
 
+/// A colour image that was decoded for a keyframe, for whoever draws into it.
+#[derive(Debug)]
+pub struct Shown {
+    /// The keyframe's place in its update.
+    pub keyframe: usize,
+    /// The frame that the image is in.
+    pub frame_id: String,
+    /// The image.
+    pub image: RgbImage,
+}
+
 /// What became of the colour images that were asked for.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Images {
@@ -88,8 +99,8 @@ impl Recorder {
         self.waiting.push_back(image);
     }
 
-    /// Takes note of what came of an input.
-    pub fn take(&mut self, update: &Update, slam: &ObjectSlam) {
+    /// Takes note of what came of an input. Returns the images that were decoded for it.
+    pub fn take(&mut self, update: &Update, slam: &ObjectSlam) -> Vec<Shown> {
         if let Some(found) = &update.relocalised {
             self.move_map(&found.map_from_seen);
         }
@@ -105,16 +116,28 @@ impl Recorder {
                 self.way.add(*pose, 1);
             }
         }
-        for keyframe in &update.keyframes {
+        let mut shown = Vec::new();
+        for (at, keyframe) in update.keyframes.iter().enumerate() {
             let pose = update.poses.iter().find(|pose| pose.stamp == keyframe.stamp);
             if let Some(pose) = pose {
-                let base_from_camera = keyframe.base_from_camera;
-                self.keyframe(keyframe, Anchor { pose: *pose, base_from_camera }, slam);
+                let anchor = Anchor { pose: *pose, base_from_camera: keyframe.base_from_camera };
+                let image = self.keyframe(keyframe, anchor, slam);
+                shown.extend(image.map(|(image, frame_id)| Shown {
+                    keyframe: at,
+                    frame_id,
+                    image,
+                }));
             }
         }
+        shown
     }
 
-    fn keyframe(&mut self, keyframe: &Keyframe, anchor: Anchor, slam: &ObjectSlam) {
+    fn keyframe(
+        &mut self,
+        keyframe: &Keyframe,
+        anchor: Anchor,
+        slam: &ObjectSlam,
+    ) -> Option<(RgbImage, String)> {
         let t = self.seconds(keyframe.stamp);
         self.tracks.note(t, slam.objects());
         self.counts.push(Counts::of(t, keyframe, slam.objects().count()));
@@ -135,19 +158,20 @@ impl Recorder {
         let image = if takes_any { self.image_of(keyframe.stamp) } else { None };
         self.waiting.retain(|image| image.stamp() > keyframe.stamp);
         if takes_points {
-            self.cloud.add(anchor, keyframe, image.as_ref());
+            self.cloud.add(anchor, keyframe, image.as_ref().map(|(image, _)| image));
         }
         if takes_step {
-            self.add_step(t, keyframe, image.as_ref(), slam);
+            self.add_step(t, keyframe, image.as_ref().map(|(image, _)| image), slam);
         }
-        let Some(image) = image else { return };
+        let (image, frame_id) = image?;
         for (object, found) in cropped {
             let cropped = self.crops.add(object, t, &image, &found.detection.rect);
             self.note_problem(cropped.err().map(|e| e.to_string()));
         }
         if takes_overlay {
-            self.overlays.add((image, anchor, keyframe.camera.clone()), 1);
+            self.overlays.add((image.clone(), anchor, keyframe.camera.clone()), 1);
         }
+        Some((image, frame_id))
     }
 
     fn add_step(
@@ -184,8 +208,8 @@ impl Recorder {
         self.steps.add(step, cost);
     }
 
-    /// The colour image of a moment; why there is none is counted.
-    fn image_of(&mut self, stamp: Stamp) -> Option<RgbImage> {
+    /// The colour image of a moment and its frame; why there is none is counted.
+    fn image_of(&mut self, stamp: Stamp) -> Option<(RgbImage, String)> {
         let away = |image: &ColorMessage| image.stamp().seconds_since(stamp).abs();
         let nearest = self.waiting.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
         let Some(image) = nearest.filter(|image| away(image) < SAME_MOMENT_S) else {
@@ -193,9 +217,9 @@ impl Recorder {
             return None;
         };
         match image.decoded() {
-            Ok(image) => {
+            Ok(decoded) => {
                 self.images.used += 1;
-                Some(image)
+                Some((decoded, image.frame_id().to_owned()))
             }
             Err(problem) => {
                 self.note_problem(Some(problem.to_string()));

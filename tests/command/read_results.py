@@ -18,9 +18,9 @@ for message in messages:
     by_topic.setdefault(message.channel.topic, []).append(message.ros_msg)
 
 markers = by_topic["/ellipsoid_slam/markers"][-1].markers
-body = next(m for m in markers if m.ns == "ellipsoids")
+body = next(m for m in markers if m.ns == "objects")
 text = next(m for m in markers if m.ns == "labels")
-assert body.type == 2 and body.id == expected["id"], body
+assert body.type == 1 and body.id == expected["id"], body
 assert body.header.frame_id == "map", body.header
 position = [body.pose.position.x, body.pose.position.y, body.pose.position.z]
 assert np.allclose(position, expected["position"]), (position, expected)

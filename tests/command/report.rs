@@ -1,6 +1,7 @@
 //! `report.html` and the pictures beside it.
 
 use crate::run::{Flaw, HOSTILE_LABEL, replayed, run, stderr, write_bag};
+use ellipsoid_slam::io::{BagReader, decode_color};
 use serde_json::Value;
 use std::{fs, path::Path};
 
@@ -59,6 +60,36 @@ fn the_demos_page_shows_its_map_and_is_the_same_again_but_for_the_clock() {
     let scores = &run["truth"]["scores"];
     assert!(scores["recall"].as_f64().unwrap() > 0.9, "{scores:#}");
     assert!(run["truth"]["trajectory"]["ate_m"]["rmse"].as_f64().unwrap() < 0.1);
+}
+
+#[test]
+fn the_plan_in_the_documentation_is_what_the_demo_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    demo(folder.path());
+    // Labels with the sizes that are written below them.
+    let objects = |path: &Path| -> Vec<(String, Vec<f64>)> {
+        let text = fs::read_to_string(path).unwrap();
+        let between = |begin: &str| -> Vec<String> {
+            let parts = text.split(begin).skip(1);
+            parts.map(|part| part.split("</text>").next().unwrap().to_owned()).collect()
+        };
+        let labels = between("font-weight=\"bold\">").into_iter();
+        let labels = labels.map(|name| name.rsplit_once(' ').unwrap().0.to_owned());
+        let sizes = between("font-size=\"11\">").into_iter();
+        let numbers = |size: String| size.split(' ').filter_map(|w| w.parse().ok()).collect();
+        let mut all: Vec<(String, Vec<f64>)> = labels.zip(sizes.map(numbers)).collect();
+        all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        all
+    };
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images/map.svg");
+    let (new, old) = (objects(&folder.path().join("map.svg")), objects(&kept));
+    // What a change of the method does to sizes is not worth another picture, another object is.
+    let is_like = |(a, b): (&f64, &f64)| (a - b).abs() < 0.03_f64.max(0.15 * b);
+    let same = new.iter().zip(&old).all(|(new, old)| {
+        new.0 == old.0 && new.1.len() == 3 && new.1.iter().zip(&old.1).all(is_like)
+    });
+    let advice = "copy target/demo/map.svg to docs/images and look at it";
+    assert!(new.len() == old.len() && same, "{advice}: {new:?} {old:?}");
 }
 
 #[test]
@@ -123,6 +154,31 @@ fn a_page_that_cannot_be_written_leaves_the_other_results_whole() {
         assert!(names.iter().any(|there| there == name), "{name} is not in {names:?}");
     }
     assert!(!names.iter().any(|name| name.ends_with(".part")), "{names:?}");
+}
+
+#[test]
+fn the_result_has_images_with_what_was_made_of_them() {
+    const TOPIC: &str = "/ellipsoid_slam/debug_image/compressed";
+    let folder = tempfile::tempdir().unwrap();
+    let images = |more: &[&str]| {
+        let out = folder.path().join(format!("out{}", more.len()));
+        let args = ["replay", "bags/desk.mcap", "--output", out.to_str().unwrap()];
+        assert!(run(&[&args[..], more].concat()).status.success());
+        let bag = BagReader::open(&out.join("result.mcap")).unwrap();
+        let images = bag.messages().only([TOPIC]);
+        images.map(|message| decode_color(&message).unwrap()).collect::<Vec<_>>()
+    };
+    // Ten seconds, an image each.
+    let drawn = images(&[]);
+    assert!((8..=11).contains(&drawn.len()), "{} images", drawn.len());
+    let source = BagReader::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("bags/desk.mcap"));
+    let first = source.unwrap();
+    let first = first.messages().only(["/camera/color/image_raw/compressed"]).next().unwrap();
+    let plain = decode_color(&first).unwrap();
+    let pairs = drawn[0].data.iter().zip(&plain.data);
+    let changed = pairs.filter(|(a, b)| a.abs_diff(**b) > 60).count();
+    assert!(changed > 1000, "nothing is drawn: {changed}");
+    assert!(images(&["--no-images"]).is_empty());
 }
 
 #[test]

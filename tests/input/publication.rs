@@ -12,6 +12,7 @@ use ellipsoid_slam::{
     time::Stamp,
 };
 use nalgebra::{Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
+use std::{fs, path::Path};
 
 fn view() -> View {
     let camera = Camera::new((640, 480), (500.0, 500.0), (320.0, 240.0), Distortion::None).unwrap();
@@ -74,7 +75,23 @@ fn all_that_is_shown_of_an_object_is_deleted() {
     let markers = deletion_markers([ObjectId(7)], Stamp::from_secs(1.0), "map").markers;
     assert!(markers.iter().all(|m| m.action == Marker::DELETE && m.id == 7));
     let spaces: Vec<&str> = markers.iter().map(|m| m.ns.as_str()).collect();
-    assert_eq!(spaces, ["ellipsoids", "labels", "cuboids"]);
+    assert_eq!(spaces, ["objects", "labels", "cuboids"]);
+}
+
+#[test]
+fn layouts_show_topics_that_there_are() {
+    let mut known: Vec<String> = OutputTopic::ALL.map(OutputTopic::default_name).to_vec();
+    known.push("/ellipsoid_slam/debug_image/compressed".into());
+    for file in ["foxglove.json", "ellipsoid_slam.rviz"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("config").join(file);
+        let text = fs::read_to_string(path).unwrap();
+        let words = text.split(|c: char| !(c.is_alphanumeric() || "/_".contains(c)));
+        let topics: Vec<&str> = words.filter(|word| word.starts_with("/ellipsoid_slam/")).collect();
+        assert!(topics.len() >= 4, "{file}: {topics:?}");
+        for topic in topics {
+            assert!(known.iter().any(|name| name == topic), "{file}: nothing is on {topic}");
+        }
+    }
 }
 
 #[test]

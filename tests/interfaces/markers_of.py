@@ -1,11 +1,19 @@
-"""The last markers of a result bag as JSON: markers_of.py BAG."""
+"""The last markers, way and annotated image of a result bag as JSON: markers_of.py BAG."""
 
+import base64
+import io
 import json
 import sys
 
 from mcap_ros2.reader import read_ros2_messages
+from PIL import Image
 
-last = list(read_ros2_messages(sys.argv[1], topics=["/ellipsoid_slam/markers"]))[-1].ros_msg
+NODE = "/ellipsoid_slam"
+
+
+def last(topic):
+    messages = list(read_ros2_messages(sys.argv[1], topics=[f"{NODE}/{topic}"]))
+    return messages[-1].ros_msg if messages else None
 
 
 def values(message, names):
@@ -18,6 +26,12 @@ rows = [
         "position": values(marker.pose.position, "xyz"), "orientation": values(marker.pose.orientation, "xyzw"),
         "scale": values(marker.scale, "xyz"), "color": values(marker.color, "rgba"),
     }
-    for marker in last.markers
+    for marker in last("markers").markers
 ]  # fmt: skip
-print(json.dumps(rows))
+path = [values(pose.pose.position, "xyz") for pose in last("path").poses]
+image = last("debug_image/compressed")
+picture = None
+if image:
+    pixels = Image.open(io.BytesIO(bytes(image.data))).convert("RGB")
+    picture = {"size": pixels.size, "rgb": base64.b64encode(pixels.tobytes()).decode()}
+print(json.dumps({"markers": rows, "path": path, "image": picture}))

@@ -1,22 +1,39 @@
-"""Publishes markers of a JSON file in ROS 1, for its RViz: show_markers.py FILE. Runs in the system's Python."""
+"""Publishes what a JSON file of markers_of.py has in ROS 1, for its RViz: show_markers.py FILE. Runs in the system's Python."""
 
+import base64
 import json
 import sys
 
 import rospy
-from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Vector3
+from nav_msgs.msg import Path
+from sensor_msgs.msg import Image
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-rows = json.load(open(sys.argv[1]))
+shown = json.load(open(sys.argv[1]))
 rospy.init_node("relay", disable_signals=True)
-publisher = rospy.Publisher("/ellipsoid_slam/markers", MarkerArray, queue_size=1, latch=True)
+
+
+def publisher(topic, kind):
+    return rospy.Publisher(f"/ellipsoid_slam/{topic}", kind, queue_size=1, latch=True)
+
+
 markers = []
-for row in rows:
+for row in shown["markers"]:
     marker = Marker(ns=row["ns"], id=row["id"], type=row["type"], action=row["action"], text=row["text"])
     marker.header.frame_id = "map"
     marker.pose = Pose(Point(*row["position"]), Quaternion(*row["orientation"]))
     marker.scale, marker.color = Vector3(*row["scale"]), ColorRGBA(*row["color"])
     markers.append(marker)
-publisher.publish(MarkerArray(markers))
+path = Path(poses=[PoseStamped(pose=Pose(Point(*place), Quaternion(0, 0, 0, 1))) for place in shown["path"]])
+path.header.frame_id = "map"
+publishers = [publisher("markers", MarkerArray), publisher("path", Path), publisher("debug_image", Image)]
+publishers[0].publish(MarkerArray(markers))
+publishers[1].publish(path)
+if shown["image"]:
+    width, height = shown["image"]["size"]
+    image = Image(width=width, height=height, encoding="rgb8", step=3 * width, data=base64.b64decode(shown["image"]["rgb"]))
+    image.header.frame_id = "map"
+    publishers[2].publish(image)
 rospy.spin()

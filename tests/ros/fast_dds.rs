@@ -58,7 +58,7 @@ fn summary(array: &MarkerArray) -> Value {
         let (p, q, s) = (&marker.pose.position, &marker.pose.orientation, &marker.scale);
         let numbers = [p.x, p.y, p.z, q.x, q.y, q.z, q.w, s.x, s.y, s.z];
         match marker.ns.as_str() {
-            "ellipsoids" => ellipsoids[id] = numbers.map(|v| format!("{v:.9}")).to_vec().into(),
+            "objects" => ellipsoids[id] = numbers.map(|v| format!("{v:.9}")).to_vec().into(),
             "labels" => labels[id] = marker.text.clone().into(),
             _ => (),
         }

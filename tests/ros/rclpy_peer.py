@@ -70,7 +70,7 @@ assert values(mapping)["dropped: overflow"] == "0", values(mapping)
 def is_whole(array):
     """Whether all objects are marked that diagnostics count."""
     counted = [values(s)["objects"] for s in diagnostics.message.status if s.name.endswith("mapping")]
-    return [str(sum(m.ns == "ellipsoids" and m.action == Marker.ADD for m in array.markers))] == counted
+    return [str(sum(m.ns == "objects" and m.action == Marker.ADD for m in array.markers))] == counted
 
 
 # This subscriber comes late: all images are through.

@@ -51,7 +51,7 @@ def call(kind, name, **request):
     assert future.result().success, future.result()
 
 
-wait_for("markers", lambda: any(ns == "ellipsoids" for ns, _ in shown))
+wait_for("markers", lambda: any(ns == "objects" for ns, _ in shown))
 wait_for("a debug image", lambda: images)
 image = images[0]
 assert (image.encoding, len(image.data)) == ("rgb8", 3 * image.width * image.height), image.encoding
@@ -69,4 +69,4 @@ wait_for("no markers", lambda: not shown)
 wait_for("no objects", lambda: values["objects"] == "0")
 call(SetBool, f"{NODE}/pause", data=False)
 wait_for("going on", lambda: values["paused"] == "false" and int(values["frames"]) > int(before))
-wait_for("markers again", lambda: any(ns == "ellipsoids" for ns, _ in shown))
+wait_for("markers again", lambda: any(ns == "objects" for ns, _ in shown))

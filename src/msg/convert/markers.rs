@@ -2,7 +2,7 @@
 
 use super::{header, pose_message};
 use crate::{
-    geometry::{Ellipsoid, Plane, Pose},
+    geometry::{Ellipsoid, Outline, Plane, Pose},
     mapping::{MapObject, ObjectId},
     msg::{
         coco::NAMES,
@@ -16,42 +16,96 @@ use crate::{
 };
 use nalgebra::{Point3, Translation3, UnitQuaternion};
 
-/// A sphere stretched to each ellipsoid and a text above it, in the frame of the map; on demand the box round it.
+/// How objects are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ObjectShapes {
+    /// As ellipsoids, as the paper draws them, and not as their outlines.
+    pub ellipsoids: bool,
+    /// The box round each, too.
+    pub cuboids: bool,
+}
+
+/// A shape for each object and a text above it, in the frame of the map; on demand the box round it. What its outline has no
+/// shape for is drawn as the nearest that there is: a superquadric as a box, a cylinder or an ellipsoid.
 ///
-/// Ids are the objects' own, in the namespaces `ellipsoids`, `labels` and `cuboids`.
+/// Ids are the objects' own, in the namespaces `objects`, `labels` and `cuboids`.
 pub fn object_markers<'a>(
     objects: impl IntoIterator<Item = &'a MapObject>,
-    cuboids: bool,
+    shapes: ObjectShapes,
     stamp: Stamp,
     frame_id: &str,
 ) -> MarkerArray {
     let mut markers = Vec::new();
+    let mut names: Vec<Name> = Vec::new();
     for object in objects {
         let ellipsoid = object.ellipsoid();
         let color = color_of(object.label());
+        let kind = if shapes.ellipsoids { Marker::SPHERE } else { shape_of(object.outline) };
         let body = Marker {
             header: header(stamp, frame_id),
             id: marker_id(object.id),
-            ..solid("ellipsoids", Marker::SPHERE, &ellipsoid, with_alpha(color, 0.6))
+            ..solid("objects", kind, &ellipsoid, with_alpha(color, 0.6))
         };
-        if cuboids {
+        if shapes.cuboids {
             let shape = solid("cuboids", Marker::CUBE, &ellipsoid, with_alpha(color, 0.25));
             markers.push(Marker { header: body.header.clone(), id: body.id, ..shape });
         }
+        let text = format!("{} {}", object.label(), object.id);
+        let name = Name::above(&ellipsoid, &text, &names);
         let mut above = body.pose;
-        above.position.z += ellipsoid.semi_axes.z + 0.5 * TEXT_HEIGHT_M;
+        above.position.z = name.at.z;
+        names.push(name);
         markers.push(Marker {
             ns: "labels".into(),
             kind: Marker::TEXT_VIEW_FACING,
             pose: above,
             scale: Vector3 { x: 0.0, y: 0.0, z: TEXT_HEIGHT_M },
             color: ColorRGBA { r: 1.0, g: 1.0, b: 1.0, a: 1.0 },
-            text: format!("{} {}", object.label(), object.id),
+            text,
             ..body.clone()
         });
         markers.push(body);
     }
     MarkerArray { markers }
+}
+
+/// Where a text is.
+struct Name {
+    at: Point3<f64>,
+    half_width_m: f64,
+}
+
+impl Name {
+    /// Above a body, and above other texts that it would cover from where one usually looks.
+    fn above(body: &Ellipsoid, text: &str, others: &[Name]) -> Self {
+        let half_width_m = 0.5 * LETTER_WIDTH * TEXT_HEIGHT_M * text.chars().count() as f64;
+        let mut at = body.center();
+        at.z += body.semi_axes.z + 0.6 * TEXT_HEIGHT_M;
+        let covers = |at: &Point3<f64>, other: &&Name| {
+            // From any side two texts cover each other by their widths, seen along the line between them by nothing.
+            let apart = (other.at.xy() - at.xy()).norm();
+            apart < half_width_m.max(other.half_width_m)
+                && (other.at.z - at.z).abs() < 0.99 * TEXT_HEIGHT_M
+        };
+        // Each turn is above one text more.
+        for _ in 0..others.len().min(MAX_STACKED) {
+            let Some(other) = others.iter().find(|other| covers(&at, other)) else { break };
+            at.z = other.at.z + TEXT_HEIGHT_M;
+        }
+        Self { at, half_width_m }
+    }
+}
+
+fn shape_of(outline: Outline) -> i32 {
+    match outline {
+        Outline::Cuboid => Marker::CUBE,
+        Outline::Cylinder => Marker::CYLINDER,
+        Outline::Ellipsoid => Marker::SPHERE,
+        // Exponents up to a half are nearer to corners than to an ellipse.
+        Outline::Superquadric(_, footprint) if footprint <= 0.5 => Marker::CUBE,
+        Outline::Superquadric(profile, _) if profile <= 0.5 => Marker::CYLINDER,
+        Outline::Superquadric(..) => Marker::SPHERE,
+    }
 }
 
 /// Takes away what [`object_markers`] showed of objects.
@@ -61,7 +115,7 @@ pub fn deletion_markers(
     frame_id: &str,
 ) -> MarkerArray {
     let delete = |id: ObjectId| {
-        ["ellipsoids", "labels", "cuboids"].map(|ns| Marker {
+        ["objects", "labels", "cuboids"].map(|ns| Marker {
             header: header(stamp, frame_id),
             ns: ns.into(),
             id: marker_id(id),
@@ -186,7 +240,11 @@ const COLORS: [[u8; 3]; 14] = [
     [204, 121, 167],
 ];
 
-const TEXT_HEIGHT_M: f64 = 0.12;
+const TEXT_HEIGHT_M: f64 = 0.1;
+/// Width of a letter beside its height.
+const LETTER_WIDTH: f64 = 0.55;
+/// Texts on top of each other, at most.
+const MAX_STACKED: usize = 12;
 /// How thick a plane is drawn (m).
 const SHEET_M: f64 = 0.005;
 /// How high walls are drawn (m).

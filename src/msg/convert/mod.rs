@@ -24,7 +24,7 @@ pub use depth::{compressed_depth_image, depth_image, depth_image_message};
 pub use detections::{detection_array, detections, yolo_detections};
 pub use error::ConvertError;
 pub use image_topic::{is_rectified, without_transport};
-pub use markers::{color_of, deletion_markers, measurement_markers, object_markers};
+pub use markers::{ObjectShapes, color_of, deletion_markers, measurement_markers, object_markers};
 pub use measurements::{landmark_detections, measurement_array};
 pub use objects::{boxes_3d, detections_3d, object_array, path};
 pub use pose::{
