@@ -9,7 +9,11 @@ mod cyclone;
 mod environment;
 mod fast_dds;
 mod faults;
+#[path = "../input/mutants.rs"]
+mod mutants;
+mod packets;
 mod processes;
+mod rtps;
 mod services;
 #[cfg(feature = "zenoh")]
 mod zenoh;

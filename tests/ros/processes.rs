@@ -53,7 +53,6 @@ impl Stage {
     }
 
     /// The domain's number.
-    #[cfg(feature = "zenoh")]
     pub(crate) fn domain(&self) -> u16 {
         self.domain.parse().unwrap()
     }
@@ -134,6 +133,13 @@ impl Running {
             assert!(started.elapsed() < PATIENCE, "`{words}` did not come:\n{}", self.log());
             thread::sleep(Duration::from_millis(50));
         }
+    }
+
+    /// The most memory that it has had so far, as Linux counts it.
+    pub(crate) fn peak_memory_mb(&self) -> f64 {
+        let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+        line.trim().trim_end_matches(" kB").parse::<f64>().unwrap() / 1024.0
     }
 
     /// Sends a signal by its name, and waits for the end.
