@@ -16,6 +16,7 @@ mod eval_table;
 mod experiment;
 mod import;
 mod inspect;
+mod interruption;
 #[cfg(feature = "ros")]
 mod node;
 #[cfg(feature = "ros")]
@@ -28,6 +29,7 @@ mod results;
 mod show;
 mod simulate;
 mod simulate_settings;
+mod streams;
 mod timing;
 
 #[cfg(feature = "ros")]
@@ -122,6 +124,11 @@ pub fn run() -> ExitCode {
     log(level, matches!(cli.command, Command::Node(_)).then_some(layer));
     #[cfg(not(feature = "ros"))]
     log(level, None::<tracing_subscriber::layer::Identity>);
+    if !cli.command.ends_itself()
+        && let Err(why) = interruption::clean_up_when_interrupted()
+    {
+        tracing::warn!("half-written files will stay when this is interrupted: {why}");
+    }
     let outcome = match &cli.command {
         Command::Replay(args) => replay::run(args),
         #[cfg(feature = "ros")]
@@ -144,8 +151,21 @@ pub fn run() -> ExitCode {
             ExitCode::from(2)
         }
         Err(Failure::Failed(error)) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", sentence(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// An error and what caused it. Some errors say already what the one below them says: it is not said twice.
+fn sentence(error: &anyhow::Error) -> String {
+    let mut said = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if said.is_empty() {
+            said = cause;
+        } else if !said.contains(&cause) {
+            said = format!("{said}: {cause}");
+        }
+    }
+    said
 }

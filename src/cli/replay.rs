@@ -5,6 +5,7 @@ use super::{
     eval::read_ground_truth,
     report::{Ended, Reporter, clock},
     results::{Results, check_overwrite},
+    streams::Streams,
     timing::{KeyframeTime, Stopwatch, now, peak_memory_mb},
 };
 use crate::{
@@ -175,13 +176,13 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let progress = ProgressBar::new(input.message_count());
     let mut inputs = input.inputs();
     while let Some(message) = inputs.next() {
-        run.hear(&message, inputs.log_time())?;
+        run.hear(&message, inputs.log_time());
         let update = slam.handle(message, &mut run.stopwatch);
-        run.take(&update, &slam)?;
+        run.take(&update, &slam);
         progress.set_position(inputs.messages_read());
     }
     let update = slam.finish(&mut run.stopwatch);
-    run.take(&update, &slam)?;
+    run.take(&update, &slam);
     progress.finish_and_clear();
 
     let mut warnings: Vec<String> = input.bag().warnings().map(ToString::to_string).collect();
@@ -191,6 +192,7 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
         warnings.push(format!("{count} x {first}"));
         skipped_messages.entry(topic.to_owned()).or_default().insert(reason, count);
     }
+    warnings.extend(run.streams.warnings(inputs.log_time()));
     warnings.extend(run.dropped.values().map(|d| format!("{} x {}", d.count, d.first)));
     if let (Some(waiting), Some(path)) = (slam.waiting(), &args.map) {
         warnings.push(format!(
@@ -229,6 +231,7 @@ struct Run<'a> {
     reporter: Option<Reporter<'a>>,
     /// Whether images with boxes and outlines belong to the results.
     images: bool,
+    streams: Streams,
     stopwatch: Stopwatch,
     frames: usize,
     keyframes: usize,
@@ -249,6 +252,7 @@ impl<'a> Run<'a> {
             results,
             reporter,
             images,
+            streams: Streams::default(),
             stopwatch: Stopwatch::default(),
             frames: 0,
             keyframes: 0,
@@ -259,19 +263,20 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn hear(&mut self, input: &Input, log_time: Stamp) -> anyhow::Result<()> {
+    fn hear(&mut self, input: &Input, log_time: Stamp) {
         if let Some(reporter) = &mut self.reporter {
             reporter.read_until(log_time);
         }
-        Ok(self.results.pass_on(input)?)
+        self.streams.hear(input, log_time);
+        self.results.pass_on(input);
     }
 
-    fn take(&mut self, update: &Update, slam: &ObjectSlam) -> anyhow::Result<()> {
-        self.results.take(update, slam)?;
+    fn take(&mut self, update: &Update, slam: &ObjectSlam) {
+        self.results.take(update, slam);
         if let Some(reporter) = &mut self.reporter {
             let annotated = reporter.take(update, slam);
             for (stamp, image) in annotated.iter().filter(|_| self.images) {
-                self.results.annotated(*stamp, image)?;
+                self.results.annotated(*stamp, image);
             }
         }
         self.frames += update.poses.len();
@@ -291,7 +296,6 @@ impl<'a> Run<'a> {
                 self.dropped.entry(reason).or_insert(Counted { count: 0, first: why.clone() });
             entry.count += 1;
         }
-        Ok(())
     }
 
     /// Writes the results, and then what shows them.
@@ -305,7 +309,7 @@ impl<'a> Run<'a> {
         let mut json = serde_json::to_string_pretty(summary)?;
         json.push('\n');
         let finished = self.results.finish(slam, &self.stopwatch.csv(), &json)?;
-        let Some(reporter) = self.reporter else { return Ok(()) };
+        let Some(reporter) = self.reporter else { return finished.complete };
         let ended = Ended {
             bag,
             map: &finished.map,
@@ -314,7 +318,8 @@ impl<'a> Run<'a> {
             summary: summary.without_clock()?,
             clock: clock(&self.stopwatch, summary.seconds, summary.peak_memory_mb),
         };
-        reporter.finish(folder, slam, ended)
+        let reported = reporter.finish(folder, slam, ended);
+        finished.complete.and(reported)
     }
 }
 

@@ -4,17 +4,17 @@ use super::{Failure, annotated, report};
 use crate::{
     config::NodeSettings,
     geometry::Pose,
-    io::{BagError, BagWriter, map_json, trajectory_text, write_atomically},
+    io::{BagWriter, disk_problem, map_json, trajectory_text, write_atomically},
     mapping::SavedMap,
     msg::{convert::tf_message, sensor_msgs::CompressedImage},
-    pipeline::{FramePose, Input, ObjectSlam, Update},
-    publication::{Outgoing, OutputTopic, Publication, base_transform},
+    pipeline::{FramePose, Input, MAX_FRAMES, ObjectSlam, Update},
+    publication::{Outgoing, OutputTopic, Publication, Room, base_transform},
     time::Stamp,
 };
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use std::{
     collections::BTreeSet,
-    fs,
+    fs, io,
     path::{Path, PathBuf},
 };
 
@@ -35,12 +35,14 @@ const LOCAL_MAP: &str = "local_map.json";
 /// Frame of the map.
 pub(super) const MAP_FRAME: &str = "map";
 
-/// The output of a replay on its way to the disk: nothing has its final name before everything is there.
+/// The output of a replay on its way to the disk. Each file gets its name when it is whole; the map comes first.
 pub(super) struct Results {
     folder: PathBuf,
-    bag: BagWriter,
+    /// `result.mcap`, or why there will be none: the map is worth more.
+    bag: Result<BagWriter, anyhow::Error>,
     poses: Vec<FramePose>,
     publication: Publication,
+    room: Room,
     map_frame: String,
     children: BTreeSet<String>,
 }
@@ -51,6 +53,8 @@ pub(super) struct Finished {
     pub(super) map: SavedMap,
     /// The base after all optimisation.
     pub(super) trajectory: Vec<(Stamp, Pose)>,
+    /// Whether all files could be written.
+    pub(super) complete: anyhow::Result<()>,
 }
 
 /// Refuses to overwrite an earlier result.
@@ -79,53 +83,70 @@ impl Results {
         latched.for_each(|topic| bag.latch(topic.default_name()));
         Ok(Self {
             folder: folder.to_owned(),
-            bag,
+            bag: Ok(bag),
             poses: Vec::new(),
             publication: Publication::new(node.publish, &node.map_frame),
+            room: Room::default(),
             map_frame: node.map_frame.clone(),
             children: BTreeSet::new(),
         })
     }
 
     /// Transforms of the bag are passed on, so that the result can be looked at without the bag.
-    pub(super) fn pass_on(&mut self, input: &Input) -> Result<(), BagError> {
+    pub(super) fn pass_on(&mut self, input: &Input) {
         self.publication.hear(input);
-        let Input::Transforms { is_static, transforms } = input else { return Ok(()) };
-        let Some(stamp) = transforms.iter().map(|t| t.stamp).max() else { return Ok(()) };
-        self.children.extend(transforms.iter().map(|t| t.child_frame_id.clone()));
+        let Input::Transforms { is_static, transforms } = input else { return };
+        let Some(stamp) = transforms.iter().map(|t| t.stamp).max() else { return };
+        for child in transforms.iter().map(|t| &t.child_frame_id) {
+            if self.children.len() < MAX_FRAMES && !self.children.contains(child) {
+                self.children.insert(child.clone());
+            }
+        }
         let topic = if *is_static { "/tf_static" } else { "/tf" };
-        self.bag.write(topic, &tf_message(transforms), stamp)
+        self.write(|bag| Ok(bag.write(topic, &tf_message(transforms), stamp)?));
     }
 
     /// What a live node would publish now.
-    pub(super) fn take(&mut self, update: &Update, slam: &ObjectSlam) -> anyhow::Result<()> {
+    pub(super) fn take(&mut self, update: &Update, slam: &ObjectSlam) {
         for pose in &update.poses {
             self.poses.push(*pose);
             if !self.children.contains(slam.frames().1) {
                 let message = tf_message(&[base_transform(pose, slam)]);
-                self.bag.write("/tf", &message, pose.stamp)?;
+                self.write(|bag| Ok(bag.write("/tf", &message, pose.stamp)?));
             }
         }
         let out = self.publication.update(update, slam);
-        self.write(&out)
+        self.write_messages(&out, false);
     }
 
-    fn write(&mut self, messages: &[(Stamp, Outgoing)]) -> anyhow::Result<()> {
+    /// Writes messages for which there is room, or all.
+    fn write_messages(&mut self, messages: &[(Stamp, Outgoing)], all: bool) {
         for (stamp, message) in messages {
-            let topic = message.topic().default_name();
-            let (type_name, data) = message.cdr()?;
-            self.bag.write_raw(&topic, type_name, &data, *stamp)?;
+            let topic = message.topic();
+            match message.cdr() {
+                Ok((type_name, data)) => {
+                    if self.room.takes(topic, data.len(), *stamp) || all {
+                        let name = topic.default_name();
+                        self.write(|bag| Ok(bag.write_raw(&name, type_name, &data, *stamp)?));
+                    }
+                }
+                Err(why) => self.write(|_| Err(why.into())),
+            }
         }
-        Ok(())
+    }
+
+    /// Writes into the bag, as long as that works. A bag that is given up leaves its room to the map.
+    fn write(&mut self, to: impl FnOnce(&mut BagWriter) -> anyhow::Result<()>) {
+        if let Ok(bag) = &mut self.bag
+            && let Err(why) = to(bag)
+        {
+            self.bag = Err(why);
+        }
     }
 
     /// An image with boxes and outlines drawn into it.
-    pub(super) fn annotated(
-        &mut self,
-        stamp: Stamp,
-        image: &CompressedImage,
-    ) -> anyhow::Result<()> {
-        Ok(self.bag.write(annotated::TOPIC, image, stamp)?)
+    pub(super) fn annotated(&mut self, stamp: Stamp, image: &CompressedImage) {
+        self.write(|bag| Ok(bag.write(annotated::TOPIC, image, stamp)?));
     }
 
     /// Stamp of the latest pose.
@@ -138,41 +159,72 @@ impl Results {
         self.poses.iter().map(|pose| (pose.stamp, pose.map_from_base)).collect()
     }
 
-    /// Writes all files.
+    /// Writes all files that can be written, the map before all others.
+    ///
+    /// # Errors
+    /// When the map has no text, which would be a bug. What could not be written is in [`Finished::complete`].
     pub(super) fn finish(
         mut self,
         slam: &ObjectSlam,
         timing_csv: &str,
         summary_json: &str,
     ) -> anyhow::Result<Finished> {
+        let last = self.publication.finish(slam);
+        self.write_messages(&last, true);
         let poses = self.poses.iter().map(|pose| (pose.stamp, slam.map_from_base(pose)));
         let trajectory: Vec<(Stamp, Pose)> = poses.collect();
-        let last = self.publication.finish(slam);
-        self.write(&last)?;
         let frame = if slam.waiting().is_some() { "local_map" } else { &self.map_frame };
         let map = SavedMap::of(slam.objects(), frame);
-        let mut texts = match slam.waiting() {
-            None => vec![("map.json", map_json(&map)?)],
-            Some(waiting) => {
-                vec![("map.json", map_json(waiting.saved())?), (LOCAL_MAP, map_json(&map)?)]
-            }
-        };
+        let mut texts = self.maps(slam, &map)?;
         texts.extend([
             ("trajectory.tum", trajectory_text(&trajectory)),
             ("trajectory_live.tum", trajectory_text(&self.live())),
             ("timing.csv", timing_csv.to_owned()),
             ("summary.json", summary_json.to_owned()),
         ]);
-        self.bag.finish()?;
-        if slam.waiting().is_none() {
-            // Of an earlier replay into the same folder; fails where there is none.
-            let _ = fs::remove_file(self.folder.join(LOCAL_MAP));
-        }
+        let mut failures = Vec::new();
         for (name, text) in texts {
             let path = self.folder.join(name);
-            write_atomically(&path, text.as_bytes())
-                .with_context(|| format!("cannot write {}", path.display()))?;
+            if let Err(why) = self.write_text(&path, &text) {
+                let why = disk_problem(&why);
+                failures.push(anyhow!("{} cannot be written: {why}", path.display()));
+            }
         }
-        Ok(Finished { map, trajectory })
+        let bag = self.bag.and_then(|bag| Ok(bag.finish()?));
+        failures.extend(bag.err());
+        let missing = format!("the results in {} are not complete", self.folder.display());
+        let complete = match failures.into_iter().next() {
+            None => Ok(()),
+            Some(first) => Err(first.context(missing)),
+        };
+        Ok(Finished { map, trajectory, complete })
+    }
+
+    /// Writes a text; where there is no room, in that of the unfinished bag.
+    fn write_text(&mut self, path: &Path, text: &str) -> io::Result<()> {
+        let written = write_atomically(path, text.as_bytes());
+        match written {
+            Err(why) if why.kind() == io::ErrorKind::StorageFull && self.bag.is_ok() => {
+                let bag = self.folder.join("result.mcap");
+                let why = disk_problem(&why);
+                self.bag = Err(anyhow!("{} cannot be written: {why}", bag.display()));
+                write_atomically(path, text.as_bytes())
+            }
+            written => written,
+        }
+    }
+
+    /// The map, or both where the place in the saved one was not recognised.
+    fn maps(
+        &self,
+        slam: &ObjectSlam,
+        seen: &SavedMap,
+    ) -> anyhow::Result<Vec<(&'static str, String)>> {
+        let Some(waiting) = slam.waiting() else {
+            // Of an earlier replay into the same folder; fails where there is none.
+            let _ = fs::remove_file(self.folder.join(LOCAL_MAP));
+            return Ok(vec![("map.json", map_json(seen)?)]);
+        };
+        Ok(vec![("map.json", map_json(waiting.saved())?), (LOCAL_MAP, map_json(seen)?)])
     }
 }

@@ -1,9 +1,11 @@
 //! Files that are either whole or not there.
 
 use std::{
+    collections::BTreeSet,
     fs::{self, File},
     io::{self, Write},
     path::{Path, PathBuf},
+    sync::{Mutex, MutexGuard, PoisonError},
 };
 
 /// Writes a file under a temporary name in the same folder and renames it when it is complete and on the disk: whenever
@@ -30,6 +32,21 @@ fn sync_folder(file: &Path) {
     }
 }
 
+/// Removes what this process has not finished, before it ends otherwise than by returning from `main`.
+pub fn remove_unfinished() {
+    for path in unfinished().iter() {
+        // Nothing can be done here where that fails.
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// The temporary files that there are now.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// A file that disappears again unless it is kept.
 #[derive(Debug)]
 pub(super) struct TemporaryFile {
@@ -44,6 +61,7 @@ impl TemporaryFile {
         name.push(format!(".{}.part", std::process::id()));
         let temporary = target.with_file_name(name);
         let file = File::create(&temporary)?;
+        unfinished().insert(temporary.clone());
         Ok((Self { target: target.to_owned(), temporary }, file))
     }
 
@@ -57,5 +75,6 @@ impl Drop for TemporaryFile {
     fn drop(&mut self) {
         // Fails after `keep`, when there is nothing to remove; another failure cannot be mended here.
         let _ = fs::remove_file(&self.temporary);
+        unfinished().remove(&self.temporary);
     }
 }

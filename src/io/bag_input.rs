@@ -1,6 +1,8 @@
 //! A bag as the core's inputs.
 
-use super::{BagError, BagReader, BagWarning, Decoder, Messages, Remap, Role, RoleError, Roles};
+use super::{
+    BagError, BagReader, BagWarning, Damage, Decoder, Messages, Remap, Role, RoleError, Roles,
+};
 use crate::{
     msg::{SkipCount, Skipped},
     pipeline::{CameraRole, Input},
@@ -42,6 +44,14 @@ pub enum InputError {
         /// What is wrong with the first of them.
         why: String,
     },
+    /// Something is missing in a bag of which a part could not be read.
+    #[error("{problem}; {damage}")]
+    Damaged {
+        /// What is missing.
+        problem: Box<InputError>,
+        /// What is wrong with the bag.
+        damage: BagWarning,
+    },
     /// Depth images and calibration of different cameras.
     #[error(
         "{}: depth images on {depth_topic} are {}x{}, but {info_topic} says {}x{}; \
@@ -70,9 +80,21 @@ impl BagInput {
     pub fn open(path: &Path, remaps: &[Remap]) -> Result<Self, InputError> {
         let bag = BagReader::open(path)?;
         let roles = Roles::assign(bag.topics(), remaps)
-            .map_err(|source| InputError::Roles { path: path.to_owned(), source })?;
-        check_usable(&bag, &roles, path)?;
-        Ok(Self { bag, roles })
+            .map_err(|source| InputError::Roles { path: path.to_owned(), source });
+        let checked = roles.and_then(|roles| {
+            check_usable(&bag, &roles, path)?;
+            Ok(roles)
+        });
+        // That the index is damaged is the least of what can be wrong.
+        let worst = bag.warnings().find(|warning| warning.damage != Damage::Index);
+        let damage = worst.or_else(|| bag.warnings().next()).cloned();
+        match (checked, damage) {
+            (Ok(roles), _) => Ok(Self { bag, roles }),
+            (Err(problem), Some(damage)) if !matches!(problem, InputError::Damaged { .. }) => {
+                Err(InputError::Damaged { problem: problem.into(), damage })
+            }
+            (Err(problem), _) => Err(problem),
+        }
     }
 
     /// The bag.
@@ -148,7 +170,8 @@ impl First<'_> {
         let topic = self.roles.topic_of(role).unwrap_or_default();
         let mut decoder = Decoder::new(self.roles.clone());
         let mut first_problem: Option<Skipped> = None;
-        for message in self.bag.messages().only([topic]) {
+        let mut messages = self.bag.messages().only([topic]);
+        for message in messages.by_ref() {
             match decoder.decode(&message) {
                 Ok(input) => {
                     if let Some(found) = input.and_then(&wanted) {
@@ -162,7 +185,11 @@ impl First<'_> {
         }
         let why = first_problem.map_or("there are none".to_owned(), |s| s.why.to_string());
         let (path, topic) = (self.path.to_owned(), topic.to_owned());
-        Err(InputError::NothingUsable { path, role, topic, why })
+        let problem = InputError::NothingUsable { path, role, topic, why };
+        Err(match messages.warnings().first() {
+            None => problem,
+            Some(damage) => InputError::Damaged { problem: problem.into(), damage: damage.clone() },
+        })
     }
 }
 

@@ -157,7 +157,8 @@ impl<'a> Messages<'a> {
             if let Err(damage) = self.load(next) {
                 let path = self.bag.files[next.file].path.clone();
                 let warning = BagWarning { path, damage };
-                if !self.bag.files[next.file].warnings.contains(&warning) {
+                let known = &self.bag.files[next.file].warnings;
+                if !known.contains(&warning) && !self.warnings.contains(&warning) {
                     self.warnings.push(warning);
                 }
             }

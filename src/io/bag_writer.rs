@@ -1,11 +1,11 @@
 //! Bags that other programs read: MCAP with the profile `ros2`.
 
-use super::{BagError, atomic::TemporaryFile};
+use super::{BagError, atomic::TemporaryFile, disk_problem};
 use crate::{
     msg::{Message, cdr, schema_text},
     time::Stamp,
 };
-use mcap::records::MessageHeader;
+use mcap::{McapError, records::MessageHeader};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs::File,
@@ -44,7 +44,7 @@ impl BagWriter {
             .library(concat!("ellipsoid_slam ", env!("CARGO_PKG_VERSION")))
             .compression(Some(mcap::Compression::Zstd))
             .compression_threads(0);
-        let mcap = options.create(BufWriter::new(file)).map_err(|e| not_writable(path, &e))?;
+        let mcap = options.create(BufWriter::new(file)).map_err(|e| refused(path, &e))?;
         let path = path.to_owned();
         Ok(Self {
             path,
@@ -87,7 +87,7 @@ impl BagWriter {
     ) -> Result<(), BagError> {
         let header = self.next_header(topic, type_name, stamp)?;
         let Some(mcap) = &mut self.mcap else { return Ok(()) };
-        mcap.write_to_known_channel(&header, cdr).map_err(|e| not_writable(&self.path, &e))
+        mcap.write_to_known_channel(&header, cdr).map_err(|e| refused(&self.path, &e))
     }
 
     /// Completes the bag and gives it its name.
@@ -96,9 +96,9 @@ impl BagWriter {
     /// When the disk is full; then nothing is left behind.
     pub fn finish(mut self) -> Result<(), BagError> {
         if let Some(mut mcap) = self.mcap.take() {
-            mcap.finish().map_err(|e| not_writable(&self.path, &e))?;
+            mcap.finish().map_err(|e| refused(&self.path, &e))?;
             let file = mcap.into_inner().into_inner();
-            file.map_err(|e| not_writable(&self.path, e.error()))?;
+            file.map_err(|e| not_writable(&self.path, &disk_problem(e.error())))?;
         }
         let keep = self.temporary.keep();
         keep.map_err(|source| BagError::Io { path: self.path.clone(), source })
@@ -138,11 +138,11 @@ impl BagWriter {
         let Some(mcap) = &mut self.mcap else { return Ok(0) };
         let schema = mcap
             .add_schema(type_name, "ros2msg", definition.as_bytes())
-            .map_err(|e| not_writable(path, &e))?;
+            .map_err(|e| refused(path, &e))?;
         let latched = topic.ends_with("tf_static") || self.latched.contains(topic);
         let qos = latched.then(|| ("offered_qos_profiles".to_owned(), LATCHED_QOS.to_owned()));
         mcap.add_channel(schema, topic, "cdr", &qos.into_iter().collect())
-            .map_err(|e| not_writable(path, &e))
+            .map_err(|e| refused(path, &e))
     }
 }
 
@@ -152,6 +152,13 @@ impl Drop for BagWriter {
         if let Some(mcap) = self.mcap.take() {
             drop(mcap.into_inner());
         }
+    }
+}
+
+fn refused(path: &Path, error: &McapError) -> BagError {
+    match error {
+        McapError::Io(error) => not_writable(path, &disk_problem(error)),
+        other => not_writable(path, other),
     }
 }
 

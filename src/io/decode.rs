@@ -18,13 +18,15 @@ pub struct Decoder {
     roles: Roles,
     /// `(width, height)` of the images that the boxes live in, once a calibration said so.
     color_size: Option<(u32, u32)>,
+    /// The same of the depth camera's images, where it has a calibration of its own.
+    depth_size: Option<(u32, u32)>,
     skipped: SkipCount,
 }
 
 impl Decoder {
     /// A decoder that has seen nothing yet.
     pub fn new(roles: Roles) -> Self {
-        Self { roles, color_size: None, skipped: SkipCount::default() }
+        Self { roles, color_size: None, depth_size: None, skipped: SkipCount::default() }
     }
 
     /// The core's input from a message, or nothing if its topic has no role. A message that cannot be used is
@@ -48,6 +50,16 @@ impl Decoder {
         &self.skipped
     }
 
+    /// The sizes that depth images can have, once all calibrations have come: depth may be registered to colour.
+    fn depth_sizes(&self) -> Vec<(u32, u32)> {
+        let own = self.roles.depth_camera_info.is_some();
+        match (self.depth_size, self.color_size) {
+            (None, _) if own => Vec::new(),
+            (_, None) => Vec::new(),
+            (depth, color) => depth.into_iter().chain(color).collect(),
+        }
+    }
+
     fn convert(
         &mut self,
         message: &RawMessage,
@@ -57,7 +69,7 @@ impl Decoder {
         let is = |role: &Option<String>| role.as_deref() == Some(topic);
         let roles = &self.roles;
         let input = if topic == roles.depth {
-            Input::Depth(depth(message)?)
+            Input::Depth(depth(message, &self.depth_sizes())?)
         } else if topic == roles.camera_info {
             let rectified = roles.is_color_rectified();
             let message = convert::camera(&decode(data)?, CameraRole::Color, rectified)?;
@@ -65,7 +77,9 @@ impl Decoder {
             Input::Camera(message)
         } else if is(&roles.depth_camera_info) {
             let rectified = roles.is_depth_rectified();
-            Input::Camera(convert::camera(&decode(data)?, CameraRole::Depth, rectified)?)
+            let message = convert::camera(&decode(data)?, CameraRole::Depth, rectified)?;
+            self.depth_size = Some((message.camera.width(), message.camera.height()));
+            Input::Camera(message)
         } else if is(&roles.odometry) {
             Input::Odometry(convert::odometry(&decode(data)?)?)
         } else if topic == roles.detections {
@@ -88,11 +102,11 @@ impl Decoder {
 }
 
 /// Depth from either of the two image types.
-fn depth(message: &RawMessage) -> Result<DepthMessage, ConvertError> {
+fn depth(message: &RawMessage, sizes: &[(u32, u32)]) -> Result<DepthMessage, ConvertError> {
     if &*message.type_name == CompressedImage::TYPE {
-        convert::compressed_depth_image(&decode(&message.data)?)
+        convert::compressed_depth_image(&decode(&message.data)?, sizes)
     } else {
-        convert::depth_image(&decode(&message.data)?)
+        convert::depth_image(&decode(&message.data)?, sizes)
     }
 }
 

@@ -69,7 +69,7 @@ pub enum BagError {
         /// What is wrong with it.
         problem: String,
     },
-    /// The MCAP library refused to write.
+    /// The disk or the MCAP library refused to write.
     #[error("{} cannot be written: {problem}", path.display())]
     NotWritable {
         /// The file.
@@ -98,6 +98,13 @@ pub enum Damage {
     },
     /// The file ends after a whole record, but before its footer.
     NoFooter,
+    /// The index at the end is not what was written: everything was read instead.
+    Index,
+    /// A part is compressed in a way that is not known here.
+    Compression {
+        /// What the file calls it.
+        name: String,
+    },
     /// Bytes that are not what they should be.
     Corrupt {
         /// First byte of the part.
@@ -121,11 +128,31 @@ impl fmt::Display for BagWarning {
             Damage::NoFooter => {
                 write!(f, "{path} is truncated: the footer is missing; all whole messages are used")
             }
+            Damage::Index => write!(
+                f,
+                "{path} is damaged: the checksum of its index is wrong; the whole file was read instead of it"
+            ),
+            Damage::Compression { name } => write!(
+                f,
+                "{path} is compressed with `{name}`, which is not supported (zstd and lz4 are): what is compressed so \
+                 is not read"
+            ),
             Damage::Corrupt { at_byte, bytes, problem } => write!(
                 f,
                 "{path} is damaged between byte {at_byte} and byte {end}: {problem}; messages there may be lost",
                 end = at_byte + bytes
             ),
         }
+    }
+}
+
+/// What the system said of a file that cannot be written; in our words where it is about the disk.
+pub fn disk_problem(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::StorageFull => "the disk is full".into(),
+        io::ErrorKind::QuotaExceeded => "the disk quota is used up".into(),
+        io::ErrorKind::ReadOnlyFilesystem => "the disk can only be read".into(),
+        io::ErrorKind::FileTooLarge => "the disk takes no larger file".into(),
+        _ => error.to_string(),
     }
 }

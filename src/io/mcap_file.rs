@@ -72,17 +72,19 @@ impl McapFile {
                 false => BagError::NotMcap { path },
             });
         }
-        if let Some((channels, spans)) = indexed(&mut file, bytes) {
+        let failed = |source| BagError::Io { path: path.to_owned(), source };
+        let is_intact = has_intact_summary(&mut file, bytes).map_err(failed)?;
+        if is_intact && let Some((channels, spans)) = indexed(&mut file, bytes) {
             return Ok(Self { path: path.to_owned(), channels, spans, warnings: Vec::new() });
         }
-        let scan = mcap_scan::scan(&mut file, bytes)
-            .map_err(|source| BagError::Io { path: path.to_owned(), source })?;
+        let scan = mcap_scan::scan(&mut file, bytes).map_err(failed)?;
+        let damage = (!is_intact).then_some(Damage::Index).into_iter().chain(scan.damage);
         let warning = |damage| BagWarning { path: path.to_owned(), damage };
         Ok(Self {
             path: path.to_owned(),
             channels: scan.channels,
             spans: scan.spans,
-            warnings: scan.damage.into_iter().map(warning).collect(),
+            warnings: damage.map(warning).collect(),
         })
     }
 }
@@ -125,7 +127,41 @@ pub(super) fn visit_records(
 
 /// Damage of a span as a warning's content.
 pub(super) fn damage(span: &Span, problem: &McapError) -> Damage {
+    if let McapError::UnsupportedCompression(name) = problem {
+        return Damage::Compression { name: name.chars().take(32).collect() };
+    }
     Damage::Corrupt { at_byte: span.offset, bytes: span.bytes, problem: problem.to_string() }
+}
+
+/// Whether the summary has the checksum that the footer states; true where it states none, or there is no footer.
+fn has_intact_summary(file: &mut File, bytes: u64) -> io::Result<bool> {
+    /// Opcode, length, start of the summary, start of its offsets, checksum.
+    const FOOTER_BYTES: usize = 1 + 8 + 8 + 8 + 4;
+    let end = bytes.saturating_sub(mcap::MAGIC.len() as u64);
+    let Some(footer_at) = end.checked_sub(FOOTER_BYTES as u64) else { return Ok(true) };
+    let (mut footer, mut magic) = ([0; FOOTER_BYTES], [0; mcap::MAGIC.len()]);
+    file.seek(SeekFrom::Start(footer_at))?;
+    file.read_exact(&mut footer)?;
+    file.read_exact(&mut magic)?;
+    let (true, Ok(Record::Footer(stated))) =
+        (magic == mcap::MAGIC, mcap::parse_record(footer[0], &footer[9..]))
+    else {
+        return Ok(true);
+    };
+    let has_summary = (1..=footer_at).contains(&stated.summary_start);
+    if stated.summary_crc == 0 || !has_summary {
+        return Ok(true);
+    }
+    file.seek(SeekFrom::Start(stated.summary_start))?;
+    // All but the checksum itself.
+    let mut summary = file.take(end - 4 - stated.summary_start);
+    let (mut sum, mut part) = (crc32fast::Hasher::new(), vec![0; READ_BYTES]);
+    loop {
+        match summary.read(&mut part)? {
+            0 => return Ok(sum.finalize() == stated.summary_crc),
+            got => sum.update(&part[..got]),
+        }
+    }
 }
 
 /// Channels and chunks as the file's summary lists them; nothing where it has no complete one.

@@ -39,7 +39,10 @@ pub(super) fn scan(file: &mut File, bytes: u64) -> io::Result<Scan> {
         // A cut last record is reported once, by how much it lacks.
         let reported = outer_damage.is_some() && part.offset + part.bytes == bytes;
         if let (Err(problem), false) = (outcome, reported) {
-            scan.damage.push(damage(&part, &problem));
+            let damage = damage(&part, &problem);
+            if !scan.damage.contains(&damage) {
+                scan.damage.push(damage);
+            }
         }
         if span.start <= span.end {
             scan.spans.push(span);

@@ -15,12 +15,12 @@ mod roles;
 mod trajectory;
 mod tum_folder;
 
-pub use atomic::write_atomically;
+pub use atomic::{remove_unfinished, write_atomically};
 pub use bag_input::{BagInput, InputError, Inputs};
 pub use bag_reader::{BagReader, Messages, RawMessage, Topic};
 pub use bag_writer::BagWriter;
 pub use decode::{Decoder, color_message, decode_color};
-pub use error::{BagError, BagWarning, Damage};
+pub use error::{BagError, BagWarning, Damage, disk_problem};
 pub use inspect::{BagReport, Coverage, FrameLink, Frames, Matching, Rhythm, Stream, inspect};
 pub use map_file::{MapFileError, load_saved_map, map_json, read_map, save_map};
 pub use roles::{Remap, Role, RoleError, Roles};

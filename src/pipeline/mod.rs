@@ -18,3 +18,4 @@ pub use settings::Settings;
 pub use slam::{BoxResult, FramePose, Keyframe, ObjectSlam, Update};
 pub use start_pose::{NoStartPose, StartPose};
 pub use sync::{Dropped, SyncSettings};
+pub use transforms::MAX_FRAMES;

@@ -5,8 +5,9 @@
 
 use super::{
     CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
+    StampedTransform,
     history::{History, Jump, Outside, is_long_before},
-    transforms::{TransformError, Transforms},
+    transforms::{MAX_FRAMES, TransformError, Transforms},
 };
 use crate::{geometry::Pose, perception::Detection, time::Stamp};
 use serde::{Deserialize, Serialize};
@@ -96,6 +97,8 @@ impl Odometry {
     }
 }
 
+/// Pixels of all depth images that wait: thirty of 1920 x 1080, which are 250 MB.
+const MAX_WAITING_PIXELS: usize = 1 << 26;
 /// Covariances kept: ten seconds at 100 Hz, as long as an image may wait for its boxes.
 const MAX_COVARIANCES: usize = 1000;
 
@@ -136,7 +139,9 @@ impl Sync {
             Input::Odometry(odometry) => self.push_odometry(odometry),
             Input::Transforms { is_static, transforms } => {
                 for transform in &transforms {
-                    self.transforms.insert(transform, is_static);
+                    if !self.transforms.insert(transform, is_static) {
+                        dropped.push(one_frame_too_many(transform));
+                    }
                 }
             }
             Input::Detections(detections) => {
@@ -212,7 +217,8 @@ impl Sync {
             let waited = self.newest.map_or(0.0, |newest| newest.seconds_since(stamp));
             let give_up = last
                 || waited > self.settings.max_delay_s
-                || self.depth.len() > self.settings.max_waiting;
+                || self.depth.len() > self.settings.max_waiting
+                || self.waiting_pixels() > MAX_WAITING_PIXELS;
             let boxes = self.boxes_of_front(give_up);
             if boxes == Boxes::Wait {
                 return None;
@@ -240,6 +246,10 @@ impl Sync {
                 }
             }
         }
+    }
+
+    fn waiting_pixels(&self) -> usize {
+        self.depth.iter().map(|depth| depth.image.metres().len()).sum()
     }
 
     /// Boxes for which no depth image came, when nothing more will come.
@@ -371,6 +381,15 @@ impl Sync {
             reason: "no_transform",
             why: e.to_string(),
         })
+    }
+}
+
+fn one_frame_too_many(transform: &StampedTransform) -> Dropped {
+    let frame = &transform.child_frame_id;
+    Dropped {
+        stamp: transform.stamp,
+        reason: "too_many_frames",
+        why: format!("there are {MAX_FRAMES} frames, and \"{frame}\" is one more than are kept"),
     }
 }
 

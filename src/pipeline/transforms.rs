@@ -33,7 +33,12 @@ pub(super) enum TransformError {
 }
 
 impl Transforms {
-    pub(super) fn insert(&mut self, transform: &StampedTransform, is_static: bool) {
+    /// False where there are too many frames for one more.
+    pub(super) fn insert(&mut self, transform: &StampedTransform, is_static: bool) -> bool {
+        if self.parents.len() >= MAX_FRAMES && !self.parents.contains_key(&transform.child_frame_id)
+        {
+            return false;
+        }
         let pose = transform.parent_from_child;
         let parent = self.parents.entry(transform.child_frame_id.clone()).or_insert_with(|| {
             Parent { frame_id: transform.frame_id.clone(), history: History::changing() }
@@ -47,6 +52,7 @@ impl Transforms {
         } else {
             parent.history.push(transform.stamp, pose);
         }
+        true
     }
 
     /// The clock jumped back; what holds for all time stays.
@@ -90,5 +96,7 @@ impl Transforms {
     }
 }
 
+/// Most frames that are known at a time: those of a robot with hands, and of ten others in its room.
+pub const MAX_FRAMES: usize = 2000;
 /// A cycle in the tree of frames ends here.
 const MAX_DEPTH: usize = 64;

@@ -7,11 +7,13 @@
 mod drawing;
 mod outgoing;
 mod query;
+mod room;
 mod way;
 
 pub use drawing::{draw_debug_image, draw_objects, outline_in_image};
 pub use outgoing::{Outgoing, OutputTopic};
 pub use query::{View, query_objects};
+pub use room::Room;
 
 use crate::{
     config::PublishSettings,

@@ -9,7 +9,7 @@ use crate::{
 /// Least time between two paths (s): a path grows with the drive, and each is a complete one.
 const PERIOD_S: f64 = 1.0;
 /// Poses kept; at twice as many, every other one is left out.
-const MAX_POSES: usize = 5000;
+const MAX_POSES: usize = 1000;
 /// A turn that gives the path a new pose (rad).
 const TURN_RAD: f64 = 0.17;
 

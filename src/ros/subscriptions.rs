@@ -65,8 +65,9 @@ impl Subscriptions<'_> {
             "" => depth.clone(),
             rgb => self.arguments.resolve(rgb),
         };
-        self.depth(depth_topic(&depth, topics.depth_transport), settings.qos.depth)?;
-        let size = self.cameras(settings, is_rectified(&images), is_rectified(&depth))?;
+        let sizes = self.cameras(settings, is_rectified(&images), is_rectified(&depth))?;
+        let topic = depth_topic(&depth, topics.depth_transport);
+        self.depth(topic, settings.qos.depth, sizes.clone())?;
         if !topics.odometry.is_empty() {
             let role = Role { role: "odometry", needed: true, is_present: true };
             let topic = self.arguments.resolve(&topics.odometry);
@@ -75,21 +76,21 @@ impl Subscriptions<'_> {
                 convert::odometry(&odometry).map(input(Input::Odometry))
             })?;
         }
-        self.detections(settings, size)?;
+        self.detections(settings, sizes.color)?;
         self.transforms("/tf", qos::tf(), false)?;
         self.transforms("/tf_static", qos::tf_static(), true)
     }
 
-    fn depth(&mut self, topic: String, qos: Qos) -> Result<(), NotCreated> {
+    fn depth(&mut self, topic: String, qos: Qos, sizes: ImageSizes) -> Result<(), NotCreated> {
         let role = Role { role: "depth", needed: true, is_present: true };
         let qos = qos::input(qos, IMAGE_DEPTH);
         if without_transport(&topic) == topic {
-            self.listen(role, &topic, qos, |image: Image, _| {
-                convert::depth_image(&image).map(input(Input::Depth))
+            self.listen(role, &topic, qos, move |image: Image, _| {
+                convert::depth_image(&image, &sizes.of_depth()).map(input(Input::Depth))
             })
         } else {
-            self.listen(role, &topic, qos, |image: CompressedImage, _| {
-                convert::compressed_depth_image(&image).map(input(Input::Depth))
+            self.listen(role, &topic, qos, move |image: CompressedImage, _| {
+                convert::compressed_depth_image(&image, &sizes.of_depth()).map(input(Input::Depth))
             })
         }
     }
@@ -127,15 +128,15 @@ impl Subscriptions<'_> {
         }
     }
 
-    /// Both calibrations. Gives the size of the colour images, as soon as it is known.
+    /// Both calibrations. Gives the sizes of the images, as soon as they are known.
     fn cameras(
         &mut self,
         settings: &NodeSettings,
         color_rectified: bool,
         depth_rectified: bool,
-    ) -> Result<ImageSize, NotCreated> {
-        let size = ImageSize::default();
-        let known = Rc::clone(&size);
+    ) -> Result<ImageSizes, NotCreated> {
+        let color = ImageSize::default();
+        let known = Rc::clone(&color);
         let qos = qos::input(settings.qos.camera_info, SMALL_DEPTH);
         let role = Role { role: "camera_info", needed: true, is_present: false };
         let topic = self.arguments.resolve(&settings.topics.camera_info);
@@ -144,14 +145,19 @@ impl Subscriptions<'_> {
             known.set(Some((message.camera.width(), message.camera.height())));
             Ok(Heard::Input(Input::Camera(message)))
         })?;
-        if !settings.topics.depth_camera_info.is_empty() {
-            let role = Role { role: "depth_camera_info", needed: true, is_present: false };
-            let topic = self.arguments.resolve(&settings.topics.depth_camera_info);
-            self.listen(role, &topic, qos, move |info: CameraInfo, _| {
-                convert::camera(&info, CameraRole::Depth, depth_rectified).map(input(Input::Camera))
-            })?;
+        if settings.topics.depth_camera_info.is_empty() {
+            return Ok(ImageSizes { color, depth: None });
         }
-        Ok(size)
+        let depth = ImageSize::default();
+        let known = Rc::clone(&depth);
+        let role = Role { role: "depth_camera_info", needed: true, is_present: false };
+        let topic = self.arguments.resolve(&settings.topics.depth_camera_info);
+        self.listen(role, &topic, qos, move |info: CameraInfo, _| {
+            let message = convert::camera(&info, CameraRole::Depth, depth_rectified)?;
+            known.set(Some((message.camera.width(), message.camera.height())));
+            Ok(Heard::Input(Input::Camera(message)))
+        })?;
+        Ok(ImageSizes { color, depth: Some(depth) })
     }
 
     fn detections(&mut self, settings: &NodeSettings, size: ImageSize) -> Result<(), NotCreated> {
@@ -214,8 +220,23 @@ impl Subscriptions<'_> {
     }
 }
 
-/// `(width, height)` of the colour images, once a calibration said so.
+/// `(width, height)` of images, once a calibration said so.
 type ImageSize = Rc<Cell<Option<(u32, u32)>>>;
+
+/// Of both cameras, where the depth camera has a calibration of its own.
+#[derive(Clone)]
+struct ImageSizes {
+    color: ImageSize,
+    depth: Option<ImageSize>,
+}
+
+impl ImageSizes {
+    /// What depth images can have, once all calibrations have come: depth may be registered to colour.
+    fn of_depth(&self) -> Vec<(u32, u32)> {
+        let all = self.depth.iter().chain([&self.color]).map(|size| size.get());
+        all.collect::<Option<_>>().unwrap_or_default()
+    }
+}
 
 /// The topic of a transport; a name that has it already is taken as it is.
 fn depth_topic(depth: &str, transport: DepthTransport) -> String {

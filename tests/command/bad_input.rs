@@ -36,6 +36,59 @@ fn flaws_of_bags() {
 }
 
 #[test]
+fn streams_that_stop_or_go_back_are_warnings() {
+    let cases = [
+        (Flaw::DepthDies, "no depth image came in the last 7.4 s of the bag, after 1700000000.6"),
+        (Flaw::ClockGoesBack, "the clock went back by 89.8 s"),
+    ];
+    for (flaw, words) in cases {
+        let (_folder, output, _) = replayed(flaw);
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let warnings: Vec<&str> =
+            summary["warnings"].as_array().unwrap().iter().filter_map(|w| w.as_str()).collect();
+        assert_eq!(warnings.iter().filter(|w| w.contains(words)).count(), 1, "{warnings:#?}");
+    }
+    let (_folder, output, _) = replayed(Flaw::None);
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(summary["warnings"].as_array().unwrap().len(), 0, "{summary:#}");
+}
+
+#[test]
+fn nothing_is_said_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("no_depth.mcap");
+    write_bag(&bag, Flaw::NoDepth);
+    let (bag, folder) = (bag.to_str().unwrap(), folder.path().to_str().unwrap());
+    for (args, words) in [
+        (vec!["replay", bag, "--output", "/proc/no"], "no topic for depth"),
+        (vec!["replay", folder, "--config", folder], "directory"),
+        (vec!["replay", "bags/desk.mcap", "--map", folder], "directory"),
+    ] {
+        let said = stderr(&run(&args));
+        assert_eq!(said.matches(words).count(), 1, "{said}");
+    }
+}
+
+#[test]
+fn what_a_cut_or_oddly_compressed_bag_lacks_is_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = folder.path().join("whole.mcap");
+    write_bag(&whole, Flaw::None);
+    let bytes = fs::read(&whole).unwrap();
+    let cut = folder.path().join("cut.mcap");
+    fs::write(&cut, &bytes[..200]).unwrap();
+    refused(&cut, &["no topic", "is truncated"]);
+    let odd = folder.path().join("odd.mcap");
+    let name = [&4_u32.to_le_bytes()[..], b"zstd"].concat();
+    let mut bytes = bytes;
+    let places: Vec<usize> =
+        (0..bytes.len() - 8).filter(|at| bytes[*at..*at + 8] == name).collect();
+    places.iter().for_each(|at| bytes[*at + 4..*at + 8].copy_from_slice(b"br99"));
+    fs::write(&odd, &bytes).unwrap();
+    refused(&odd, &["is compressed with `br99`, which is not supported"]);
+}
+
+#[test]
 fn files_that_are_no_bags() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("missing.mcap");

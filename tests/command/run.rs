@@ -60,6 +60,10 @@ pub(crate) enum Flaw {
     HostileLabel,
     /// Colour images that are none.
     BrokenColor,
+    /// The depth camera dies, and the robot lives on for seven seconds.
+    DepthDies,
+    /// In the end, odometry is of a minute and a half ago.
+    ClockGoesBack,
 }
 
 pub(crate) const HOSTILE_LABEL: &str = "</script><img src=x onerror=alert(1)>";
@@ -166,12 +170,32 @@ pub(crate) fn write_bag(path: &Path, flaw: Flaw) {
         if flaw != Flaw::NoCameraInfo {
             bag.write("/camera/camera_info", &camera_info(&info), at).unwrap();
         }
-        if flaw != Flaw::NoDepth {
+        if flaw != Flaw::NoDepth && !(flaw == Flaw::DepthDies && i > 3) {
             bag.write("/camera/depth/image", &depth_image_message(&depth), at).unwrap();
         }
         if flaw != Flaw::NoDetections {
             bag.write("/detections", &detection_array(&boxes), at.shifted(0.05)).unwrap();
         }
     }
+    write_late_readings(&mut bag, flaw);
     bag.finish().unwrap();
+}
+
+/// What odometry says after the last image.
+fn write_late_readings(bag: &mut BagWriter, flaw: Flaw) {
+    let (from, back_s) = match flaw {
+        Flaw::DepthDies => (FRAMES..FRAMES + 35, 0.0),
+        Flaw::ClockGoesBack => (FRAMES..FRAMES + 1, -90.0),
+        _ => (0..0, 0.0),
+    };
+    for i in from {
+        let reading = OdometryMessage {
+            stamp: stamp(i).shifted(back_s),
+            frame_id: "odom".into(),
+            child_frame_id: CAMERA.into(),
+            odom_from_base: world_from_camera(FRAMES - 1),
+            covariance: None,
+        };
+        bag.write("/odom", &odometry_message(&reading), stamp(i)).unwrap();
+    }
 }

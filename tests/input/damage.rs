@@ -94,6 +94,39 @@ fn a_damaged_chunk_costs_only_itself() {
 }
 
 #[test]
+fn a_flipped_bit_of_the_index_loses_nothing_and_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let whole = bag(&scene(), Layout { compression: Some(Zstd), chunks: true, summary: true });
+    let footer = whole.len() - 8 - 20;
+    let summary = u64::from_le_bytes(whole[footer..footer + 8].try_into().unwrap()) as usize;
+    assert!((1..footer).contains(&summary));
+    for at in summary..footer - 9 {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 1 << (at % 8);
+        fs::write(&path, &bytes).unwrap();
+        let (count, warnings) = read(&path);
+        assert_eq!(count, 41, "bit {} of byte {at}", at % 8);
+        assert_eq!(warnings, [BagWarning { path: path.clone(), damage: Damage::Index }]);
+    }
+}
+
+#[test]
+fn unknown_compression_is_named_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let mut bytes = bag(&scene(), Layout { compression: Some(Zstd), chunks: true, summary: false });
+    let name = [&4_u32.to_le_bytes()[..], b"zstd"].concat();
+    let places: Vec<usize> =
+        (0..bytes.len() - 8).filter(|at| bytes[*at..*at + 8] == name).collect();
+    assert!(places.len() > 1, "several chunks");
+    places.iter().for_each(|at| bytes[*at + 4..*at + 8].copy_from_slice(b"br99"));
+    fs::write(&path, &bytes).unwrap();
+    let damage = Damage::Compression { name: "br99".into() };
+    assert_eq!(read(&path), (0, vec![BagWarning { path: path.clone(), damage }]));
+}
+
+#[test]
 fn any_damaged_byte_is_survived() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");

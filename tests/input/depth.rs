@@ -50,12 +50,12 @@ fn every_encoding_byte_order_and_padding_gives_the_same_metres() {
         {
             let bytes = millimetres.map(|z| if big { z.to_be_bytes() } else { z.to_le_bytes() });
             let image = with_pixels(encoding, big, bytes.each_ref().map(|b| b.as_slice()), padding);
-            check(&depth_image(&image).unwrap().image, METRES, 0.0);
+            check(&depth_image(&image, &[]).unwrap().image, METRES, 0.0);
         }
         for big in [false, true] {
             let bytes = metres.map(|z| if big { z.to_be_bytes() } else { z.to_le_bytes() });
             let image = with_pixels("32FC1", big, bytes.each_ref().map(|b| b.as_slice()), padding);
-            check(&depth_image(&image).unwrap().image, METRES, 0.0);
+            check(&depth_image(&image, &[]).unwrap().image, METRES, 0.0);
         }
     }
 }
@@ -64,14 +64,14 @@ fn every_encoding_byte_order_and_padding_gives_the_same_metres() {
 fn a_last_row_without_padding_is_whole() {
     let mut image = depth(0);
     image.data.truncate(14);
-    check(&depth_image(&image).unwrap().image, METRES, 0.0);
+    check(&depth_image(&image, &[]).unwrap().image, METRES, 0.0);
 }
 
 #[test]
 fn header_is_kept_and_a_leading_slash_dropped() {
     let mut image = depth(7);
     image.header.frame_id = "/camera".into();
-    let message = depth_image(&image).unwrap();
+    let message = depth_image(&image, &[]).unwrap();
     assert_eq!(
         (message.stamp.as_nanos(), message.frame_id.as_str()),
         (1_700_000_000_700_000_000, "camera")
@@ -83,7 +83,7 @@ fn refusals_name_the_reason() {
     let changed = |change: &dyn Fn(&mut Image)| {
         let mut image = depth(0);
         change(&mut image);
-        depth_image(&image).unwrap_err()
+        depth_image(&image, &[]).unwrap_err()
     };
     type Change<'a> = &'a dyn Fn(&mut Image);
     let cases: &[(&str, Change)] = &[
@@ -133,7 +133,7 @@ fn compressed_depth_is_read_in_both_forms() {
         ("png", 0),
     ] {
         let image = compressed(format, &vec![0; head], &millimetres);
-        check(&compressed_depth_image(&image).unwrap().image, METRES, 0.0);
+        check(&compressed_depth_image(&image, &[]).unwrap().image, METRES, 0.0);
     }
 }
 
@@ -148,7 +148,7 @@ fn inverse_depth_is_read_with_its_parameters() {
     let head = [&0_i32.to_le_bytes()[..], &a.to_le_bytes(), &b.to_le_bytes()].concat();
     let image = compressed("32FC1; compressedDepth png", &head, &png16(inverse));
     // One step of the quantisation at 9 m is 9² / a = 8 mm.
-    check(&compressed_depth_image(&image).unwrap().image, metres, 0.01);
+    check(&compressed_depth_image(&image, &[]).unwrap().image, metres, 0.01);
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn bad_compressed_depth_is_refused() {
         ("unknown_encoding", compressed("64FC1; compressedDepth", &[0; 12], &png)),
     ];
     for (reason, image) in cases {
-        let error = compressed_depth_image(&image).unwrap_err();
+        let error = compressed_depth_image(&image, &[]).unwrap_err();
         assert_eq!(error.reason(), reason, "{error}");
     }
 }
@@ -173,8 +173,8 @@ fn a_damaged_png_size_claims_no_memory() {
     png[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
     let crc = crc_of(&png[12..29]).to_be_bytes();
     png[29..33].copy_from_slice(&crc);
-    let error =
-        compressed_depth_image(&compressed("16UC1; compressedDepth", &[0; 12], &png)).unwrap_err();
+    let error = compressed_depth_image(&compressed("16UC1; compressedDepth", &[0; 12], &png), &[])
+        .unwrap_err();
     assert_eq!(error.reason(), "size_mismatch", "{error}");
 }
 
@@ -188,11 +188,42 @@ fn crc_of(bytes: &[u8]) -> u32 {
 
 #[test]
 fn what_is_written_is_read_again() {
-    let message = depth_image(&depth(3)).unwrap();
-    let raw = depth_image(&depth_image_message(&message)).unwrap();
-    let png = compressed_depth_image(&compressed_depth_message(&message).unwrap()).unwrap();
+    let message = depth_image(&depth(3), &[]).unwrap();
+    let raw = depth_image(&depth_image_message(&message), &[]).unwrap();
+    let png = compressed_depth_image(&compressed_depth_message(&message).unwrap(), &[]).unwrap();
     for again in [raw, png] {
         assert_eq!((again.stamp, &again.frame_id), (message.stamp, &message.frame_id));
         check(&again.image, METRES, 0.0);
     }
+}
+
+/// A gray PNG of 16 bits in which nothing is to be seen: a few kilobytes for any size.
+fn dark_png(width: u32, height: u32) -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&vec![0; 2 * (width * height) as usize]).unwrap();
+    writer.finish().unwrap();
+    file
+}
+
+#[test]
+fn a_small_file_of_a_large_image_is_refused_before_it_is_decoded() {
+    for (size, sizes) in [((5000, 5000), &[][..]), ((64, 48), &[(3, 2), (6, 4)])] {
+        let png = dark_png(size.0, size.1);
+        for image in
+            [compressed("16UC1; compressedDepth", &[0; 12], &png), compressed("png", &[], &png)]
+        {
+            let error = compressed_depth_image(&image, sizes).unwrap_err();
+            assert_eq!(error.reason(), "size_mismatch", "{error}");
+        }
+    }
+    // Whether it was decoded shows in a file that cannot be.
+    let cut = &dark_png(5000, 5000)[..200];
+    let error = compressed_depth_image(&compressed("png", &[], cut), &[]).unwrap_err();
+    assert!(error.to_string().contains("5000x5000"), "{error}");
+    let raw = depth_image(&depth(0), &[(3, 3)]).unwrap_err();
+    assert_eq!(raw.to_string(), "the depth image is 3x2, the camera info says 3x3");
 }

@@ -39,17 +39,8 @@ impl<'a> Mutants<'a> {
 
     fn change(&mut self, bytes: &mut Vec<u8>) {
         /// Where arithmetic goes wrong.
-        const EDGES: [u64; 9] = [
-            0,
-            1,
-            0x7f,
-            0xff,
-            0xffff,
-            0x7fff_ffff,
-            0xffff_ffff,
-            0x7fff_ffff_ffff_ffff,
-            u64::MAX,
-        ];
+        const EDGES: [u64; 9] =
+            [0, 1, 0x7f, 0xff, 0xffff, 0x7fff_ffff, 0xffff_ffff, 0x7fff_ffff_ffff_ffff, u64::MAX];
         if bytes.is_empty() {
             bytes.extend(self.seed());
             return;

@@ -1,6 +1,6 @@
 //! Odometry and transforms.
 
-use crate::fixtures::{header, odometry, stamp, transforms};
+use crate::fixtures::{self, header, odometry, stamp, transforms};
 use ellipsoid_slam::msg::{
     convert::{self, odometry_message, tf_message},
     geometry_msgs::{Quaternion, TransformStamped},
@@ -90,4 +90,28 @@ fn what_is_written_is_read_again() {
     );
     let (good, _) = convert::transforms(&transforms(5));
     assert_eq!(tf_message(&good), transforms(5));
+}
+
+#[test]
+fn long_names_are_refused_and_cut_where_they_are_shown() {
+    let long = "x".repeat(1_000_000);
+    let mut reading = fixtures::odometry(0);
+    reading.child_frame_id.clone_from(&long);
+    let mut tree = fixtures::transforms(0);
+    tree.transforms[0].header.frame_id.clone_from(&long);
+    let mut image = fixtures::depth(0);
+    image.encoding = format!("two\nlines{long}");
+    let mut boxes = fixtures::detections(0);
+    boxes.detections[0].results[0].hypothesis.class_id.clone_from(&long);
+    let errors = [
+        convert::odometry(&reading).unwrap_err(),
+        convert::transforms(&tree).1.remove(0),
+        convert::depth_image(&image, &[]).unwrap_err(),
+        convert::detections(&boxes, None).1.remove(0),
+    ];
+    for error in errors {
+        let said = error.to_string();
+        assert!(said.len() < 300 && !said.contains('\n'), "{} bytes", said.len());
+        assert!(said.contains("(10000"), "{said}");
+    }
 }

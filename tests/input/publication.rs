@@ -1,14 +1,19 @@
 //! What is published, where that needs no map.
 
 use ellipsoid_slam::{
+    config::PublishSettings,
     geometry::{Camera, Distortion, Ellipsoid, Outline, Pose},
+    io::BagWriter,
     mapping::{MappingSettings, ObjectId, ObjectMap, SlamSettings},
     msg::{
         convert::{deletion_markers, pose_covariance},
-        ellipsoid_slam::QueryObjectsRequest,
+        ellipsoid_slam::{ObjectArray, QueryObjectsRequest},
         visualization_msgs::Marker,
     },
-    publication::{OutputTopic, View, outline_in_image, query_objects},
+    pipeline::{FramePose, ObjectSlam, Settings, Update},
+    publication::{
+        Outgoing, OutputTopic, Publication, Room, View, outline_in_image, query_objects,
+    },
     time::Stamp,
 };
 use nalgebra::{Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
@@ -111,4 +116,71 @@ fn topics_are_told_apart() {
     names.sort();
     names.dedup();
     assert_eq!(names.len(), OutputTopic::ALL.len());
+}
+
+/// Two hours at 15 images a second, with turns, and thirty objects of which all change every second.
+#[test]
+fn a_long_drive_fits_into_a_small_bag() {
+    const HOURS: f64 = 2.0;
+    const MOST_BYTES: u64 = 100_000_000;
+    let slam = ObjectSlam::new(Settings::default());
+    let mut publication = Publication::new(PublishSettings::default(), "map");
+    let mut room = Room::default();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.mcap");
+    let mut bag = BagWriter::create(&path).unwrap();
+    let mut pose = Pose::identity();
+    for frame in 0..(HOURS * 3600.0 * 15.0) as i64 {
+        let turn = 0.05 * (frame as f64 / 40.0).sin();
+        pose *= Pose::new(Vector3::new(0.4 / 15.0, 0.0, 0.0), Vector3::new(0.0, 0.0, turn));
+        let stamp = Stamp::from_nanos(frame * 1_000_000_000 / 15);
+        let now = FramePose { stamp, map_from_base: pose, odom_from_base: pose, keyframes: 0 };
+        let update = Update { poses: vec![now], ..Update::default() };
+        let mut out = publication.update(&update, &slam);
+        if frame % 15 == 0 {
+            out.push((stamp, Outgoing::Objects(restless_objects(30, frame))));
+        }
+        for (stamp, message) in out {
+            let (type_name, data) = message.cdr().unwrap();
+            if room.takes(message.topic(), data.len(), stamp) {
+                bag.write_raw(&message.topic().default_name(), type_name, &data, stamp).unwrap();
+            }
+        }
+    }
+    bag.finish().unwrap();
+    let bytes = path.metadata().unwrap().len();
+    println!("{:.1} MB for {HOURS} hours", bytes as f64 / 1e6);
+    assert!(bytes < MOST_BYTES, "{bytes}");
+}
+
+/// Objects of which no number is the same as in the frame before.
+fn restless_objects(count: i64, frame: i64) -> ObjectArray {
+    let number = |k: i64| ((frame * 7919 + k) as f64).sin();
+    let object = |id: i64| {
+        let mut object = ellipsoid_slam::msg::ellipsoid_slam::Object::default();
+        object
+            .covariance
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(id * 100..)
+            .for_each(|(c, k)| *c = number(k));
+        object
+    };
+    ObjectArray { objects: (0..count).map(object).collect(), ..ObjectArray::default() }
+}
+
+#[test]
+fn a_short_drive_is_recorded_whole() {
+    let mut room = Room::default();
+    let kept = (0..300)
+        .filter(|s| room.takes(OutputTopic::Markers, 10_000, Stamp::from_secs(f64::from(*s))));
+    assert_eq!(kept.count(), 300);
+    // A day of the same, by far too fast.
+    let late = |s: i32| Stamp::from_secs(300.0 + f64::from(s) / 10.0);
+    let kept = (0..864_000).filter(|s| room.takes(OutputTopic::Markers, 10_000, late(*s))).count();
+    assert!((30_000..40_000).contains(&kept), "{kept}");
+    assert!(
+        room.takes(OutputTopic::Odometry, 1_000_000_000, late(0)),
+        "streams are recorded whole"
+    );
 }

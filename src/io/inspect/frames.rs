@@ -1,6 +1,6 @@
 //! Which frames a bag's transforms connect.
 
-use crate::pipeline::StampedTransform;
+use crate::pipeline::{MAX_FRAMES, StampedTransform};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -44,7 +44,10 @@ impl FrameGraph {
     pub(super) fn add(&mut self, is_static: bool, transforms: &[StampedTransform]) {
         for transform in transforms {
             let link = (transform.frame_id.clone(), transform.child_frame_id.clone());
-            self.links.insert(link, is_static);
+            // As many as the core would know.
+            if self.links.len() < MAX_FRAMES || self.links.contains_key(&link) {
+                self.links.insert(link, is_static);
+            }
         }
     }
 

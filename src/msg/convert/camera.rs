@@ -1,6 +1,6 @@
 //! Camera calibration.
 
-use super::{ConvertError, frame, header};
+use super::{ConvertError, frame, header, shown};
 use crate::{
     geometry::{Camera, CameraError, Distortion},
     msg::sensor_msgs::CameraInfo,
@@ -30,7 +30,7 @@ pub fn camera(
     Ok(CameraMessage {
         role,
         stamp: info.header.stamp.into(),
-        frame_id: frame(&info.header.frame_id),
+        frame_id: frame(&info.header.frame_id)?,
         camera: read_out(info, focal, principal, distortion)?,
     })
 }
@@ -88,9 +88,8 @@ fn distortion_of(info: &CameraInfo) -> Result<Distortion, ConvertError> {
             Ok(Distortion::PlumbBob([k1, k2, p1, p2, k3]))
         }
         ("plumb_bob" | "rational_polynomial", 1..=8) => Ok(Distortion::Rational(out)),
-        (model, _) => Err(ConvertError::UnknownDistortion {
-            model: model.to_owned(),
-            coefficients: info.d.len(),
-        }),
+        (model, _) => {
+            Err(ConvertError::UnknownDistortion { model: shown(model), coefficients: info.d.len() })
+        }
     }
 }

@@ -4,6 +4,7 @@ use super::{
     ConvertError,
     compressed::{Pixels, bad, decoded_jpeg, decoded_png},
     depth::rows,
+    shown,
 };
 use crate::msg::{
     sensor_msgs::{CompressedImage, Image},
@@ -35,7 +36,7 @@ pub fn color_image(image: &Image) -> Result<RgbImage, ConvertError> {
         "mono8" | "8UC1" => (1, [0, 0, 0]),
         other => {
             return Err(ConvertError::UnknownEncoding {
-                encoding: other.to_owned(),
+                encoding: shown(other),
                 known: "rgb8, bgr8, rgba8, bgra8 and mono8 for colour",
             });
         }

@@ -3,7 +3,7 @@
 use super::{
     ConvertError,
     depth::{metres_of, millimetres_of},
-    header,
+    header, shown,
 };
 use crate::{msg::sensor_msgs::CompressedImage, perception::DepthImage, pipeline::DepthMessage};
 use std::io::Cursor;
@@ -12,8 +12,8 @@ use zune_jpeg::{
     zune_core::{colorspace::ColorSpace, options::DecoderOptions},
 };
 
-/// No camera takes more; a damaged size must not claim memory.
-const MAX_PIXELS: u64 = 1 << 25;
+/// No camera that sees depth takes more; a damaged size must not claim memory.
+const MAX_PIXELS: u64 = 1 << 24;
 /// `compressedDepth` data begins with an `int32` format and two `float32` parameters of the quantisation.
 const DEPTH_HEADER_BYTES: usize = 12;
 
@@ -30,27 +30,43 @@ pub(super) struct Pixels {
 
 impl Pixels {
     /// Samples of a gray picture of 16 bits.
-    pub(super) fn gray16(
-        &self,
-        format: &str,
-    ) -> Result<impl Iterator<Item = u16> + '_, ConvertError> {
-        if self.channels != 1 || self.bits != 16 {
-            let got = format!("{} channels of {} bits", self.channels, self.bits);
-            let problem = format!("depth needs one channel of 16 bits, got {got}");
-            return Err(bad(format, problem));
-        }
-        Ok(self.data.as_chunks().0.iter().map(|bytes| u16::from_be_bytes(*bytes)))
+    pub(super) fn gray16(&self) -> impl Iterator<Item = u16> + '_ {
+        self.data.as_chunks().0.iter().map(|bytes| u16::from_be_bytes(*bytes))
     }
 }
 
 /// A picture from a PNG file.
 pub(super) fn decoded_png(format: &str, data: &[u8]) -> Result<Pixels, ConvertError> {
+    decoded_if(format, data, |info| check_size((info.width, info.height), &[]))
+}
+
+/// A gray picture of 16 bits from a PNG file, of one of the sizes, where these are known.
+pub(super) fn decoded_gray16(
+    format: &str,
+    data: &[u8],
+    sizes: &[(u32, u32)],
+) -> Result<Pixels, ConvertError> {
+    decoded_if(format, data, |png| {
+        let (channels, bits) = (png.color_type.samples(), png.bit_depth as u8);
+        if (channels, bits) != (1, 16) {
+            let got = format!("{channels} channels of {bits} bits");
+            return Err(bad(format, format!("depth needs one channel of 16 bits, got {got}")));
+        }
+        check_size((png.width, png.height), sizes)
+    })
+}
+
+/// A picture from a PNG file of which the first bytes are as they have to be: 37 kB can claim gigabytes.
+fn decoded_if(
+    format: &str,
+    data: &[u8],
+    check: impl Fn(&png::Info<'_>) -> Result<(), ConvertError>,
+) -> Result<Pixels, ConvertError> {
     let problem = |e: png::DecodingError| bad(format, e.to_string());
     let mut decoder = png::Decoder::new(Cursor::new(data));
     // Palettes and single bits become samples of 8 bits; 16 bits stay.
     decoder.set_transformations(png::Transformations::EXPAND);
-    let info = decoder.read_header_info().map_err(problem)?;
-    check_size(info.width.into(), info.height.into())?;
+    check(decoder.read_header_info().map_err(problem)?)?;
     let mut reader = decoder.read_info().map_err(problem)?;
     let bytes = reader.output_buffer_size().ok_or_else(|| bad(format, "no size".into()))?;
     let mut data = vec![0; bytes];
@@ -71,25 +87,28 @@ pub(super) fn decoded_jpeg(format: &str, data: &[u8]) -> Result<Pixels, ConvertE
     let mut decoder = JpegDecoder::new_with_options(Cursor::new(data), options);
     decoder.decode_headers().map_err(|e| bad(format, e.to_string()))?;
     let (width, height) = decoder.dimensions().unwrap_or_default();
-    check_size(width as u64, height as u64)?;
+    check_size((width as u32, height as u32), &[])?;
     let data = decoder.decode().map_err(|e| bad(format, e.to_string()))?;
     Ok(Pixels { width: width as u32, height: height as u32, channels: 3, bits: 8, data })
 }
 
 /// Depth from `compressedDepth` data: image_transport_plugins, `compressed_depth_image_transport/codec.cpp`.
-pub(super) fn compressed_depth(image: &CompressedImage) -> Result<DepthImage, ConvertError> {
+pub(super) fn compressed_depth(
+    image: &CompressedImage,
+    sizes: &[(u32, u32)],
+) -> Result<DepthImage, ConvertError> {
     let format = image.format.as_str();
     if format.contains("rvl") {
         return Err(ConvertError::UnknownEncoding {
-            encoding: format.to_owned(),
+            encoding: shown(format),
             known: "compressedDepth with PNG",
         });
     }
     let Some((head, png)) = image.data.split_first_chunk::<DEPTH_HEADER_BYTES>() else {
         return Err(bad(format, "the data is shorter than its header of 12 bytes".into()));
     };
-    let png = decoded_png(format, png)?;
-    let samples = png.gray16(format)?;
+    let png = decoded_gray16(format, png, sizes)?;
+    let samples = png.gray16();
     let metres = match format.split(';').next().unwrap_or_default().trim() {
         "32FC1" => {
             let [a, b] = [4, 8].map(|at| f32_at(head, at));
@@ -98,7 +117,7 @@ pub(super) fn compressed_depth(image: &CompressedImage) -> Result<DepthImage, Co
         "16UC1" | "mono16" => samples.map(metres_of).collect(),
         other => {
             return Err(ConvertError::UnknownEncoding {
-                encoding: other.to_owned(),
+                encoding: shown(other),
                 known: "16UC1, mono16 and 32FC1 for compressedDepth",
             });
         }
@@ -112,8 +131,8 @@ pub(super) fn compressed_depth(image: &CompressedImage) -> Result<DepthImage, Co
 /// When the file is not such a PNG.
 pub fn png_depth(png: &[u8], units_per_metre: f64) -> Result<DepthImage, ConvertError> {
     const FORMAT: &str = "16-bit PNG";
-    let image = decoded_png(FORMAT, png)?;
-    let metres = image.gray16(FORMAT)?.map(|z| (f64::from(z) / units_per_metre) as f32).collect();
+    let image = decoded_gray16(FORMAT, png, &[])?;
+    let metres = image.gray16().map(|z| (f64::from(z) / units_per_metre) as f32).collect();
     Ok(DepthImage::new(image.width, image.height, metres)?)
 }
 
@@ -141,7 +160,7 @@ pub fn compressed_depth_message(depth: &DepthMessage) -> Result<CompressedImage,
 }
 
 pub(super) fn bad(format: &str, problem: String) -> ConvertError {
-    ConvertError::BadCompressedImage { format: format.to_owned(), problem }
+    ConvertError::BadCompressedImage { format: shown(format), problem }
 }
 
 /// Depth of a quantised inverse depth: `inverse = a / depth + b`, and 0 where there is no reading.
@@ -153,9 +172,13 @@ fn f32_at(bytes: &[u8; DEPTH_HEADER_BYTES], at: usize) -> f32 {
     f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
 }
 
-fn check_size(width: u64, height: u64) -> Result<(), ConvertError> {
-    if width.saturating_mul(height) > MAX_PIXELS {
-        return Err(ConvertError::ImageTooLarge { width, height });
+/// Whether a size `(width, height)` can be: one of the calibrations' where these are known, or any camera's.
+pub(super) fn check_size(got: (u32, u32), sizes: &[(u32, u32)]) -> Result<(), ConvertError> {
+    let (width, height) = (u64::from(got.0), u64::from(got.1));
+    match sizes.first() {
+        Some(info) if !sizes.contains(&got) => Err(ConvertError::SizesDiffer { got, info: *info }),
+        // Products of two 32-bit sizes fit into 64 bits.
+        _ if width * height > MAX_PIXELS => Err(ConvertError::ImageTooLarge { width, height }),
+        _ => Ok(()),
     }
-    Ok(())
 }

@@ -1,6 +1,10 @@
 //! Depth images.
 
-use super::{ConvertError, compressed::compressed_depth, compressed::decoded_png, frame, header};
+use super::{
+    ConvertError,
+    compressed::{check_size, compressed_depth, decoded_gray16},
+    frame, header, shown,
+};
 use crate::{
     msg::sensor_msgs::{CompressedImage, Image},
     perception::DepthImage,
@@ -9,9 +13,11 @@ use crate::{
 
 /// A depth image from `16UC1` or `mono16` (millimetres, 0 = none) or `32FC1` (metres, NaN and infinity = none).
 ///
+/// Only images of one of `sizes` = `(width, height)` are good, those of the calibrations; empty: these are not known.
+///
 /// # Errors
 /// When the encoding is another one or the data does not fit the size.
-pub fn depth_image(image: &Image) -> Result<DepthMessage, ConvertError> {
+pub fn depth_image(image: &Image, sizes: &[(u32, u32)]) -> Result<DepthMessage, ConvertError> {
     let big = image.is_bigendian != 0;
     let metres: Vec<f32> =
         match image.encoding.as_str() {
@@ -23,9 +29,10 @@ pub fn depth_image(image: &Image) -> Result<DepthMessage, ConvertError> {
             })?,
             _ => return Err(unknown(&image.encoding)),
         };
+    check_size((image.width, image.height), sizes)?;
     Ok(DepthMessage {
         stamp: image.header.stamp.into(),
-        frame_id: frame(&image.header.frame_id),
+        frame_id: frame(&image.header.frame_id)?,
         image: DepthImage::new(image.width, image.height, metres)?,
     })
 }
@@ -33,18 +40,22 @@ pub fn depth_image(image: &Image) -> Result<DepthMessage, ConvertError> {
 /// A depth image from a `compressedDepth` message, or from one whose data is a PNG of 16-bit millimetres.
 ///
 /// # Errors
-/// When the format is another one or the data does not decode.
-pub fn compressed_depth_image(image: &CompressedImage) -> Result<DepthMessage, ConvertError> {
+/// When the format is another one, the data does not decode, or the size is not that of its calibration, as in
+/// [`depth_image`]; sizes are looked at before anything is decoded.
+pub fn compressed_depth_image(
+    image: &CompressedImage,
+    sizes: &[(u32, u32)],
+) -> Result<DepthMessage, ConvertError> {
     let image_in = if !image.data.starts_with(PNG_MAGIC) {
-        compressed_depth(image)?
+        compressed_depth(image, sizes)?
     } else {
-        let png = decoded_png(&image.format, &image.data)?;
-        let metres = png.gray16(&image.format)?.map(metres_of).collect();
+        let png = decoded_gray16(&image.format, &image.data, sizes)?;
+        let metres = png.gray16().map(metres_of).collect();
         DepthImage::new(png.width, png.height, metres)?
     };
     Ok(DepthMessage {
         stamp: image.header.stamp.into(),
-        frame_id: frame(&image.header.frame_id),
+        frame_id: frame(&image.header.frame_id)?,
         image: image_in,
     })
 }
@@ -80,7 +91,7 @@ const PNG_MAGIC: &[u8] = b"\x89PNG";
 
 fn unknown(encoding: &str) -> ConvertError {
     ConvertError::UnknownEncoding {
-        encoding: encoding.to_owned(),
+        encoding: shown(encoding),
         known: "16UC1, mono16 and 32FC1 for depth",
     }
 }
@@ -111,7 +122,7 @@ pub(super) fn rows(
         return Err(ConvertError::ImageSize {
             width: image.width,
             height: image.height,
-            encoding: image.encoding.clone(),
+            encoding: shown(&image.encoding),
             step: image.step,
             got: image.data.len(),
         });

@@ -1,6 +1,6 @@
 //! 2D detections.
 
-use super::{ConvertError, frame, header};
+use super::{ConvertError, checked_name, frame, header};
 use crate::{
     geometry::Rect,
     msg::{
@@ -72,7 +72,11 @@ fn collected(
             Err(why) => bad.push(why),
         }
     }
-    let frame_id = frame(&header.frame_id);
+    // Nothing follows from the frame of boxes.
+    let frame_id = frame(&header.frame_id).unwrap_or_else(|why| {
+        bad.push(why);
+        String::new()
+    });
     (DetectionsMessage { stamp: header.stamp.into(), frame_id, detections }, bad)
 }
 
@@ -82,6 +86,9 @@ fn detection(
     classes: Vec<(String, f64)>,
     image_size: Option<(u32, u32)>,
 ) -> Result<Detection, ConvertError> {
+    for (name, _) in &classes {
+        checked_name("class", name)?;
+    }
     let (half_x, half_y) = (0.5 * width, 0.5 * height);
     let rect =
         Rect::new(x - half_x, y - half_y, x + half_x, y + half_y).ok_or(DetectionError::BadBox)?;

@@ -45,6 +45,22 @@ pub enum ConvertError {
         /// Rows.
         height: u64,
     },
+    /// An image of another size than its calibration.
+    #[error("the depth image is {}x{}, the camera info says {}x{}", got.0, got.1, info.0, info.1)]
+    SizesDiffer {
+        /// Columns and rows of the image.
+        got: (u32, u32),
+        /// What the calibration says.
+        info: (u32, u32),
+    },
+    /// A name that is none.
+    #[error("the {what} `{name}` has a name longer than any")]
+    LongName {
+        /// What it is the name of.
+        what: &'static str,
+        /// Its beginning.
+        name: String,
+    },
     /// A compressed image that does not decode.
     #[error("the compressed image (`{format}`) cannot be decoded: {problem}")]
     BadCompressedImage {
@@ -97,7 +113,11 @@ impl ConvertError {
         match self {
             Self::Cdr(_) => "bad_cdr",
             Self::UnknownEncoding { .. } => "unknown_encoding",
-            Self::ImageSize { .. } | Self::ImageTooLarge { .. } | Self::Depth(_) => "size_mismatch",
+            Self::ImageSize { .. }
+            | Self::ImageTooLarge { .. }
+            | Self::SizesDiffer { .. }
+            | Self::Depth(_) => "size_mismatch",
+            Self::LongName { .. } => "long_name",
             Self::BadCompressedImage { .. } => "bad_image",
             Self::Camera(_) => "bad_camera",
             Self::UnknownDistortion { .. } => "unknown_distortion",

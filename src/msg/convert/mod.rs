@@ -61,6 +61,31 @@ pub fn header(stamp: Stamp, frame_id: &str) -> Header {
 }
 
 /// A frame's name without the leading slash that bags from ROS 1 still carry.
-fn frame(name: &str) -> String {
-    name.trim_start_matches('/').to_owned()
+///
+/// # Errors
+/// When it is longer than any frame's name: names are kept, and must not take what memory there is.
+fn frame(name: &str) -> Result<String, ConvertError> {
+    checked_name("frame", name.trim_start_matches('/'))
+}
+
+/// The name of a frame or class, which is kept for long.
+fn checked_name(what: &'static str, name: &str) -> Result<String, ConvertError> {
+    if name.len() > MAX_NAME_BYTES {
+        return Err(ConvertError::LongName { what, name: shown(name) });
+    }
+    Ok(name.to_owned())
+}
+
+/// As long as the name of a file may be, and a DDS topic's.
+const MAX_NAME_BYTES: usize = 255;
+
+/// How a text from the wire is shown to people: on one line, and only its beginning where it is long.
+fn shown(text: &str) -> String {
+    const MOST_CHARS: usize = 64;
+    let printable = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
+    let start: String = text.chars().take(MOST_CHARS).map(printable).collect();
+    match text.chars().nth(MOST_CHARS) {
+        None => start,
+        Some(_) => format!("{start}… ({} bytes)", text.len()),
+    }
 }

@@ -11,10 +11,10 @@ use nalgebra::{Matrix6, Translation3, UnitQuaternion, Vector3};
 /// A reading of the odometry. A covariance that is all zero or not finite was not filled in.
 ///
 /// # Errors
-/// When the pose is not finite or its quaternion has no length.
+/// When the pose is not finite, its quaternion has no length, or a frame's name is too long.
 pub fn odometry(message: &Odometry) -> Result<OdometryMessage, ConvertError> {
     let (frame_id, child_frame_id) =
-        (frame(&message.header.frame_id), frame(&message.child_frame_id));
+        (frame(&message.header.frame_id)?, frame(&message.child_frame_id)?);
     let geometry::Pose { position: p, orientation } = message.pose.pose;
     let Some(odom_from_base) = pose([p.x, p.y, p.z], orientation) else {
         return Err(ConvertError::BadPose { parent: frame_id, child: child_frame_id });
@@ -34,21 +34,27 @@ pub fn odometry(message: &Odometry) -> Result<OdometryMessage, ConvertError> {
 /// The transforms of a message, and why some of them were left out.
 pub fn transforms(message: &TFMessage) -> (Vec<StampedTransform>, Vec<ConvertError>) {
     let (mut good, mut bad) = (Vec::new(), Vec::new());
-    for transform in &message.transforms {
-        let parent = frame(&transform.header.frame_id);
-        let child = frame(&transform.child_frame_id);
-        let t = transform.transform.translation;
-        match pose([t.x, t.y, t.z], transform.transform.rotation) {
-            Some(parent_from_child) => good.push(StampedTransform {
-                stamp: transform.header.stamp.into(),
-                frame_id: parent,
-                child_frame_id: child,
-                parent_from_child,
-            }),
-            None => bad.push(ConvertError::BadPose { parent, child }),
+    for wire in &message.transforms {
+        match transform(wire) {
+            Ok(transform) => good.push(transform),
+            Err(why) => bad.push(why),
         }
     }
     (good, bad)
+}
+
+fn transform(wire: &geometry::TransformStamped) -> Result<StampedTransform, ConvertError> {
+    let (parent, child) = (frame(&wire.header.frame_id)?, frame(&wire.child_frame_id)?);
+    let t = wire.transform.translation;
+    match pose([t.x, t.y, t.z], wire.transform.rotation) {
+        Some(parent_from_child) => Ok(StampedTransform {
+            stamp: wire.header.stamp.into(),
+            frame_id: parent,
+            child_frame_id: child,
+            parent_from_child,
+        }),
+        None => Err(ConvertError::BadPose { parent, child }),
+    }
 }
 
 /// A reading of the odometry as the wire knows it, without velocities.

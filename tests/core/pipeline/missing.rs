@@ -3,7 +3,7 @@ use super::{
 };
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Pose},
-    pipeline::{CameraRole, Input, Settings},
+    pipeline::{CameraRole, Input, MAX_FRAMES, Settings},
 };
 
 /// Feeds what there is, then images and boxes; returns reasons and sentences.
@@ -131,4 +131,22 @@ fn a_new_calibration_is_used_from_then_on() {
     let longer = Camera::new((16, 12), (28.0, 28.0), (7.5, 5.5), Distortion::None).unwrap();
     run.feed([camera_info(CameraRole::Color, "camera", longer), depth(200), boxes(200)]);
     assert_eq!(run.keyframes(), [100, 200]);
+}
+
+#[test]
+fn frames_without_end_are_dropped_and_those_that_matter_stay() {
+    let mut run = Run::ready();
+    let mut flood = |names: std::ops::Range<usize>| {
+        let named = |i| transform(false, 0, ["odom", &format!("frame_{i}")], Pose::identity());
+        run.feed(names.map(named)).dropped
+    };
+    assert!(flood(0..MAX_FRAMES - 1).is_empty(), "the camera is one of them");
+    let dropped = flood(MAX_FRAMES - 1..MAX_FRAMES + 9);
+    assert_eq!(dropped.len(), 10);
+    assert!(dropped.iter().all(|d| d.reason == "too_many_frames"), "{dropped:?}");
+    // Known ones still move.
+    assert!(flood(0..10).is_empty());
+    run.feed([odometry(0), odometry(1000), depth(100), boxes(100)]);
+    run.finish();
+    assert_eq!(run.posed(), [100]);
 }
