@@ -18,6 +18,9 @@ pub mod config;
 
 pub mod msg;
 
+#[cfg(feature = "detector")]
+pub mod detector;
+
 pub mod publication;
 
 pub mod report;

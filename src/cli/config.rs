@@ -1,23 +1,21 @@
 //! `config`: the effective configuration.
 
-use super::{Outcome, replay::load_parameters};
+use super::{Outcome, parameter_args::ParameterArgs};
 use crate::config::parameters_to_yaml;
 use clap::Parser;
-use std::path::PathBuf;
 
 /// Print the effective configuration, commented.
 #[derive(Debug, Parser)]
 pub(super) struct Args {
-    /// A parameter file to lay over the defaults.
-    #[arg(long, value_name = "FILE")]
-    config: Option<PathBuf>,
+    #[command(flatten)]
+    parameters: ParameterArgs,
     /// Print JSON instead.
     #[arg(long)]
     json: bool,
 }
 
 pub(super) fn run(args: &Args) -> Outcome {
-    let parameters = load_parameters(args.config.as_deref())?;
+    let parameters = args.parameters.load()?;
     if args.json {
         say!("{}", serde_json::to_string_pretty(&parameters.tree()?)?);
     } else {

@@ -1,6 +1,6 @@
 //! `demo`: the main job on the demo bag.
 
-use super::{Outcome, replay};
+use super::{Outcome, detector::DetectorArgs, parameter_args::ParameterArgs, replay};
 use crate::io::read_map;
 use clap::Parser;
 use nalgebra::Vector3;
@@ -23,7 +23,8 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Outcome {
     let replay_args = replay::Args {
         bag: args.bag.clone(),
-        config: None,
+        parameters: ParameterArgs::default(),
+        detector: DetectorArgs::default(),
         map: None,
         start: None,
         output: Some(args.output.clone()),

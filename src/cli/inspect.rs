@@ -1,6 +1,6 @@
 //! `inspect`: what a bag has and what is missing.
 
-use super::{Outcome, replay::load_parameters};
+use super::{Outcome, parameter_args::ParameterArgs};
 use crate::io::{Remap, inspect};
 use clap::Parser;
 use std::path::PathBuf;
@@ -10,9 +10,8 @@ use std::path::PathBuf;
 pub(super) struct Args {
     /// An `.mcap` file or a rosbag2 folder.
     bag: PathBuf,
-    /// A parameter file, as for replay.
-    #[arg(long, value_name = "FILE")]
-    config: Option<PathBuf>,
+    #[command(flatten)]
+    parameters: ParameterArgs,
     /// Use a topic for a role, as for replay.
     #[arg(short = 'r', long = "remap", value_name = "ROLE:=/TOPIC")]
     remaps: Vec<Remap>,
@@ -22,7 +21,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Outcome {
-    let parameters = load_parameters(args.config.as_deref())?;
+    let parameters = args.parameters.load()?;
     let report = inspect(&args.bag, &args.remaps, parameters.slam.sync.slop_s)?;
     if args.json {
         say!("{}", serde_json::to_string_pretty(&report)?);

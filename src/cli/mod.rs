@@ -11,6 +11,8 @@ macro_rules! say {
 mod annotated;
 mod config;
 mod demo;
+mod detect;
+mod detector;
 mod eval;
 mod eval_table;
 mod experiment;
@@ -21,6 +23,7 @@ mod interruption;
 mod node;
 #[cfg(feature = "ros")]
 mod play;
+mod parameter_args;
 mod recording;
 mod replay;
 mod report;
@@ -60,6 +63,7 @@ enum Command {
     #[cfg(feature = "ros")]
     Play(play::Args),
     Inspect(inspect::Args),
+    Detect(detect::Args),
     Import(import::Args),
     Simulate(simulate::Args),
     Eval(eval::Args),
@@ -137,6 +141,7 @@ pub fn run() -> ExitCode {
         #[cfg(feature = "ros")]
         Command::Play(args) => play::run(args),
         Command::Inspect(args) => inspect::run(args),
+        Command::Detect(args) => detect::run(args),
         Command::Import(args) => import::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Eval(args) => eval::run(args),

@@ -1,6 +1,6 @@
 //! `node`: the main job, live on ROS 2.
 
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, detector};
 use crate::{
     config::{LogLevel, MapFileSettings, Parameters, RosArguments},
     io::{load_saved_map, save_map},
@@ -63,7 +63,12 @@ pub(super) fn run(args: &Args, lines: LogLines) -> Outcome {
             save_map(path, map).map_err(|e| format!("cannot write {}: {e}", path.display()))
         }),
     };
-    run_node(Domain::from_environment()?, &arguments, parameters, files, lines)?;
+    let detector = detector::load(&parameters.node.detector)?;
+    if let Some(loaded) = &detector {
+        tracing::info!("boxes are found by {}", loaded.described);
+    }
+    let find = detector.map(|loaded| loaded.find);
+    run_node(Domain::from_environment()?, &arguments, parameters, files, find, lines)?;
     Ok(())
 }
 

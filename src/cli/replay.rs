@@ -2,17 +2,20 @@
 
 use super::{
     Failure, Outcome,
+    detector::{self, DetectorArgs},
     eval::read_ground_truth,
+    parameter_args::ParameterArgs,
     report::{Ended, Reporter, clock},
     results::{Results, check_overwrite},
     streams::Streams,
     timing::{KeyframeTime, Stopwatch, now, peak_memory_mb},
 };
 use crate::{
-    config::{Parameters, parameters_from_yaml},
+    config::Parameters,
     geometry::yaw_of,
-    io::{BagInput, Remap, Roles, load_saved_map},
+    io::{BagInput, Inputs, Remap, Roles, load_saved_map},
     mapping::{Relocalised, SavedMap},
+    msg::convert::FindBoxes,
     pipeline::{Dropped, Input, ObjectSlam, Settings, StartPose, Update},
     time::Stamp,
 };
@@ -22,7 +25,6 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use std::{
     collections::BTreeMap,
-    fs,
     path::{Path, PathBuf},
 };
 
@@ -31,9 +33,10 @@ use std::{
 pub(super) struct Args {
     /// An `.mcap` file or a rosbag2 folder.
     pub(super) bag: PathBuf,
-    /// A parameter file; `ellipsoid_slam config` prints one.
-    #[arg(long, value_name = "FILE")]
-    pub(super) config: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) parameters: ParameterArgs,
+    #[command(flatten)]
+    pub(super) detector: DetectorArgs,
     /// Continue a saved map: an earlier result's map.json. The file itself is only read.
     #[arg(long, value_name = "FILE")]
     pub(super) map: Option<PathBuf>,
@@ -143,14 +146,6 @@ pub(super) fn output_folder(args: &Args) -> PathBuf {
     })
 }
 
-/// Parameters from a file, or the defaults.
-pub(super) fn load_parameters(config: Option<&Path>) -> anyhow::Result<Parameters> {
-    let Some(path) = config else { return Ok(Parameters::default()) };
-    let text = fs::read_to_string(path)
-        .with_context(|| format!("cannot read the configuration {}", path.display()))?;
-    parameters_from_yaml(&text).with_context(|| path.display().to_string())
-}
-
 fn load_map(path: &Path) -> anyhow::Result<SavedMap> {
     load_saved_map(path).with_context(|| path.display().to_string())
 }
@@ -162,11 +157,28 @@ fn begin(args: &Args, settings: Settings) -> Result<ObjectSlam, Failure> {
     Ok(ObjectSlam::continuing(settings, load_map(path)?, start))
 }
 
+/// The bag, and the detector that finds its boxes where they are not to be those in it.
+fn open(args: &Args, parameters: &Parameters) -> Result<(BagInput, Option<FindBoxes>), Failure> {
+    let detector = detector::load(&args.detector.over(&parameters.node.detector))?;
+    let input = match detector {
+        Some(_) => BagInput::open_for_detector(&args.bag, &args.remaps)?,
+        None => BagInput::open(&args.bag, &args.remaps)?,
+    };
+    Ok((input, detector.map(|loaded| loaded.find)))
+}
+
+fn inputs(input: &BagInput, find: Option<FindBoxes>) -> Inputs<'_> {
+    match find {
+        Some(find) => input.inputs().detecting(input, find),
+        None => input.inputs(),
+    }
+}
+
 /// Replays the bag and writes the results.
 pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let started = now();
-    let parameters = load_parameters(args.config.as_deref())?;
-    let input = BagInput::open(&args.bag, &args.remaps)?;
+    let parameters = args.parameters.load()?;
+    let (input, find) = open(args, &parameters)?;
     let mut slam = begin(args, parameters.slam.clone())?;
     let truth =
         args.ground_truth.as_deref().map(|path| Ok((path.to_owned(), read_ground_truth(path)?)));
@@ -174,7 +186,7 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let reporter = (!args.no_report).then(|| Reporter::new(&input, truth));
     let mut run = Run::new(Results::create(folder, &parameters.node)?, reporter, !args.no_images);
     let progress = ProgressBar::new(input.message_count());
-    let mut inputs = input.inputs();
+    let mut inputs = inputs(&input, find);
     while let Some(message) = inputs.next() {
         run.hear(&message, inputs.log_time());
         let update = slam.handle(message, &mut run.stopwatch);

@@ -4,6 +4,7 @@
 //! and what ROS 2 says on a command line.
 
 mod arguments;
+mod detector_settings;
 mod keys;
 mod node_keys;
 mod node_settings;
@@ -12,6 +13,7 @@ mod text;
 mod values;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
+pub use detector_settings::{DetectorSettings, ModelForm};
 pub use keys::{Key, keys};
 pub use node_settings::{
     DepthTransport, DetectionsType, MapFileSettings, NodeSettings, PublishSettings, Qos,

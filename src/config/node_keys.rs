@@ -33,6 +33,25 @@ pub(super) const NODE_KEYS: &[Key] = &[
     other("qos.camera_info", "of both calibrations").at_start(),
     other("qos.odometry", "of odometry").at_start(),
     other("qos.detections", "of boxes").at_start(),
+    other("detector", "A detector of our own, for robots that run none: docs/detectors.md."),
+    other("detector.model", "its ONNX file; empty: boxes come from topics.detections").at_start(),
+    other("detector.labels", "a file with a class name a line; empty: the model's own, or COCO's")
+        .at_start(),
+    other(
+        "detector.form",
+        "of its output: auto, yolox, yolov5, yolov8 (and later), end_to_end or rtdetr",
+    )
+    .at_start(),
+    number("detector.min_score", 0.01, 1.0, "boxes with a lower score are left out").at_start(),
+    number(
+        "detector.max_overlap",
+        0.0,
+        1.0,
+        "of boxes of one class that overlap more (IoU) the best is kept",
+    )
+    .at_start(),
+    other("detector.classes", "only these, joined by commas; empty: all").at_start(),
+    number("detector.max_hz", 0.1, 100.0, "most images a second that are looked at").at_start(),
     other("map", "The map's file."),
     other("map.file", "where the map is saved and loaded; empty: nowhere"),
     other("map.load_on_start", "load it when the node starts").at_start(),

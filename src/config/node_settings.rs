@@ -1,5 +1,6 @@
 //! Settings of the live node: topics, frames, files, and what is published.
 
+use super::DetectorSettings;
 use crate::pipeline::StartPose;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,8 @@ pub struct NodeSettings {
     pub topics: TopicSettings,
     /// Quality of service of what is received.
     pub qos: QosSettings,
+    /// The detector that runs in here.
+    pub detector: DetectorSettings,
     /// The map's file.
     pub map: MapFileSettings,
     /// What is published besides markers, boxes, objects, path and odometry.
@@ -151,6 +154,7 @@ impl Default for NodeSettings {
             publish_tf: true,
             topics: TopicSettings::default(),
             qos: QosSettings::default(),
+            detector: DetectorSettings::default(),
             map: MapFileSettings::default(),
             publish: PublishSettings::default(),
         }

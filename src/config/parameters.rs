@@ -1,6 +1,6 @@
 //! All parameters together, by name as ROS 2 knows them: sections and key joined by dots.
 
-use super::{ConfigError, Key, NodeSettings, keys, values};
+use super::{ConfigError, Key, NodeSettings, keys, text::yaml, values};
 use crate::pipeline::Settings;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -54,6 +54,14 @@ impl Parameters {
     /// When there is no such parameter, or the value is of the wrong kind or out of range; then nothing has changed.
     pub fn set(&mut self, name: &str, value: Value) -> Result<(), ConfigError> {
         self.overlay(&Value::Object(Map::from_iter([(name.to_owned(), value)])))
+    }
+
+    /// Sets one parameter to a value that is written as in a file.
+    ///
+    /// # Errors
+    /// As for [`Parameters::set`], and when the text is not YAML.
+    pub fn set_text(&mut self, name: &str, value: &str) -> Result<(), ConfigError> {
+        self.set(name, yaml(value)?)
     }
 
     /// Sets what `given` names: the content of `ros__parameters`.

@@ -1,10 +1,11 @@
 //! A bag as the core's inputs.
 
 use super::{
-    BagError, BagReader, BagWarning, Damage, Decoder, Messages, Remap, Role, RoleError, Roles,
+    BagError, BagReader, BagWarning, Damage, Decoder, FoundBoxes, Messages, Remap, Role, RoleError,
+    Roles,
 };
 use crate::{
-    msg::{SkipCount, Skipped},
+    msg::{SkipCount, Skipped, convert::FindBoxes},
     pipeline::{CameraRole, Input},
     time::Stamp,
 };
@@ -78,9 +79,24 @@ impl BagInput {
     /// # Errors
     /// When the bag cannot be read, lacks depth, calibration or detections, or has none that can be used.
     pub fn open(path: &Path, remaps: &[Remap]) -> Result<Self, InputError> {
+        Self::open_as(path, |bag| Roles::assign(bag.topics(), remaps))
+    }
+
+    /// The same for a bag whose boxes [`Inputs::detecting`] is to find in its colour images.
+    ///
+    /// # Errors
+    /// When the bag cannot be read, lacks depth, calibration or colour images, or has none that can be used.
+    pub fn open_for_detector(path: &Path, remaps: &[Remap]) -> Result<Self, InputError> {
+        Self::open_as(path, |bag| Roles::assign_for_detector(bag.topics(), remaps))
+    }
+
+    fn open_as(
+        path: &Path,
+        assign: impl FnOnce(&BagReader) -> Result<Roles, RoleError>,
+    ) -> Result<Self, InputError> {
         let bag = BagReader::open(path)?;
-        let roles = Roles::assign(bag.topics(), remaps)
-            .map_err(|source| InputError::Roles { path: path.to_owned(), source });
+        let roles =
+            assign(&bag).map_err(|source| InputError::Roles { path: path.to_owned(), source });
         let checked = roles.and_then(|roles| {
             check_usable(&bag, &roles, path)?;
             Ok(roles)
@@ -112,6 +128,7 @@ impl BagInput {
         Inputs {
             messages: self.bag.messages().only(self.roles.core_topics()),
             decoder: Decoder::new(self.roles.clone()),
+            color: None,
             messages_read: 0,
             log_time: Stamp::default(),
         }
@@ -148,7 +165,9 @@ pub(super) fn check_usable(bag: &BagReader, roles: &Roles, path: &Path) -> Resul
         Input::Depth(depth) => Some((depth.image.width(), depth.image.height())),
         _ => None,
     })?;
-    first.usable(Role::Detections, Some)?;
+    if roles.topic_of(Role::Detections).is_some() {
+        first.usable(Role::Detections, Some)?;
+    }
     if depth == info {
         return Ok(());
     }
@@ -198,11 +217,22 @@ impl First<'_> {
 pub struct Inputs<'a> {
     messages: Messages<'a>,
     decoder: Decoder,
+    /// The topic of the colour images, and what finds boxes in them.
+    color: Option<(String, FoundBoxes)>,
     messages_read: u64,
     log_time: Stamp,
 }
 
 impl Inputs<'_> {
+    /// Boxes come from a detector that looks at the colour images, of a bag that was opened for that. They follow
+    /// their image at once.
+    pub fn detecting(self, bag: &BagInput, find: FindBoxes) -> Self {
+        let roles = bag.roles();
+        let topics = roles.core_topics().chain(roles.rgb.as_deref());
+        let color = roles.rgb.clone().map(|topic| (topic, FoundBoxes::new(find)));
+        Self { messages: self.messages.only(topics), color, ..self }
+    }
+
     /// What has been left out so far.
     pub fn skipped(&self) -> &SkipCount {
         self.decoder.skipped()
@@ -232,7 +262,13 @@ impl Iterator for Inputs<'_> {
             let message = self.messages.next()?;
             self.messages_read += 1;
             self.log_time = message.log_time;
-            match self.decoder.decode(&message) {
+            let decoded = match &mut self.color {
+                Some((topic, boxes)) if **topic == *message.topic => {
+                    self.decoder.note(&message, boxes.of(&message)).map(Input::Detections).map(Some)
+                }
+                _ => self.decoder.decode(&message),
+            };
+            match decoded {
                 Ok(Some(input)) => return Some(input),
                 Ok(None) => (),
                 Err(skipped) => tracing::debug!("skipped: {skipped}"),

@@ -39,9 +39,19 @@ impl Decoder {
         let outcome = self.convert(message, &mut left_out);
         let skipped = |why| Skipped { topic: message.topic.to_string(), why };
         left_out.into_iter().map(skipped).for_each(|part| self.skipped.add(part));
+        self.note(message, outcome)
+    }
+
+    /// Counts a message that could not be used.
+    pub(super) fn note<T>(
+        &mut self,
+        message: &RawMessage,
+        outcome: Result<T, ConvertError>,
+    ) -> Result<T, Skipped> {
         outcome.map_err(|why| {
-            self.skipped.add(skipped(why.clone()));
-            skipped(why)
+            let skipped = Skipped { topic: message.topic.to_string(), why };
+            self.skipped.add(skipped.clone());
+            skipped
         })
     }
 

@@ -17,6 +17,9 @@ use thiserror::Error;
 /// Topics under this name hold the truth and are never input.
 const GROUND_TRUTH: &str = "/ground_truth/";
 
+/// How a bag without boxes is used.
+const FIND_BOXES: &str = ", or find the boxes in its colour images with `--model FILE.onnx`";
+
 /// What a topic can be used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -110,10 +113,11 @@ pub enum RoleError {
     },
     /// Nothing in the bag fits the roles that must be filled.
     #[error(
-        "the bag has no topic for {}; it has {}; name one with `-r {}:=/topic`",
+        "the bag has no topic for {}; it has {}; name one with `-r {}:=/topic`{}",
         names(missing),
         listed(available),
-        missing.first().unwrap_or(&Role::Depth)
+        missing.first().unwrap_or(&Role::Depth),
+        if missing.contains(&Role::Detections) { FIND_BOXES } else { "" }
     )]
     Missing {
         /// Roles that must be filled.
@@ -187,6 +191,31 @@ impl Roles {
         };
         roles.check_encodings(topics)?;
         Ok((roles, missing))
+    }
+
+    /// As [`Roles::assign`] for a bag whose boxes a detector finds in its colour images: boxes that it has are not
+    /// used.
+    ///
+    /// # Errors
+    /// When there is nothing for depth, camera info or colour images, or a remap does not fit.
+    pub fn assign_for_detector(topics: &[Topic], remaps: &[Remap]) -> Result<Self, RoleError> {
+        let (mut roles, mut missing) = Self::assign_all(topics, remaps)?;
+        roles.detections.clear();
+        missing.retain(|role| *role != Role::Detections);
+        missing.extend(roles.rgb.is_none().then_some(Role::Rgb));
+        if !missing.is_empty() {
+            return Err(RoleError::missing(missing, topics));
+        }
+        Ok(roles)
+    }
+
+    /// The topic of the colour images alone.
+    ///
+    /// # Errors
+    /// When there is none, or a remap does not fit.
+    pub fn color_topic(topics: &[Topic], remaps: &[Remap]) -> Result<String, RoleError> {
+        let (roles, _) = Self::assign_all(topics, remaps)?;
+        roles.rgb.ok_or_else(|| RoleError::missing(vec![Role::Rgb], topics))
     }
 
     /// Topics that the core needs: all but colour.

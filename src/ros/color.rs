@@ -29,12 +29,12 @@ const KEPT: usize = 18;
 const SAME_MOMENT_S: f64 = 0.05;
 
 impl ColorImages {
-    pub(super) fn add(&self, image: ColorMessage) {
+    pub(super) fn add(&self, image: Arc<ColorMessage>) {
         let mut images = self.lock();
         if images.len() == KEPT {
             images.pop_front();
         }
-        images.push_back(Arc::new(image));
+        images.push_back(image);
     }
 
     /// The image of a moment and the frame it is in, or why there is none.
@@ -64,14 +64,14 @@ impl ColorMessage {
         }
     }
 
-    fn frame_id(&self) -> &str {
+    pub(super) fn frame_id(&self) -> &str {
         match self {
             Self::Raw(image) => &image.header.frame_id,
             Self::Compressed(image) => &image.header.frame_id,
         }
     }
 
-    fn decoded(&self) -> Result<RgbImage, ConvertError> {
+    pub(super) fn decoded(&self) -> Result<RgbImage, ConvertError> {
         match self {
             Self::Raw(image) => color_image(image),
             Self::Compressed(image) => compressed_color_image(image),

@@ -11,6 +11,7 @@
 mod broadcast;
 mod clock;
 mod color;
+mod detecting;
 mod diagnostics;
 mod discovery;
 mod domain;

@@ -4,6 +4,7 @@ use super::{
     broadcast::broadcast,
     clock,
     color::ColorImages,
+    detecting::{Detecting, NewestImage},
     diagnostics::{Counts, Diagnostics},
     domain::{Domain, DomainError},
     inbox::Inbox,
@@ -22,6 +23,7 @@ use super::{
 };
 use crate::{
     config::{NodeSettings, Parameters, RosArguments},
+    msg::convert::FindBoxes,
     pipeline::{FrontEnd, ObjectSlam},
 };
 use std::{
@@ -70,7 +72,8 @@ impl NotCreated {
     }
 }
 
-/// Runs the node until SIGINT or SIGTERM. It publishes the log's `lines` on `/rosout`.
+/// Runs the node until SIGINT or SIGTERM. It publishes the log's `lines` on `/rosout`. Where it is given a detector, it
+/// finds the boxes in the colour images itself.
 ///
 /// # Errors
 /// When it cannot start, or its worker ends.
@@ -79,6 +82,7 @@ pub fn run_node(
     arguments: &RosArguments,
     parameters: Parameters,
     files: MapFiles,
+    detector: Option<FindBoxes>,
     lines: LogLines,
 ) -> Result<(), NodeError> {
     let runtime = runtime::Builder::new_current_thread().enable_all().build()?;
@@ -90,7 +94,7 @@ pub fn run_node(
     let node = Node::join(domain, node_name(arguments.namespace(), arguments.node())?)?;
     let tasks = LocalSet::new();
     let mut start = Start { node, arguments, tasks: &tasks };
-    let running = start.everything(parameters, files)?;
+    let running = start.everything(parameters, files, detector)?;
     start.log(lines)?;
     tracing::info!("{name} runs in domain {}", domain.id);
     let outcome = runtime.block_on(tasks.run_until(running.until_stopped(signals)));
@@ -125,6 +129,7 @@ struct Start<'a> {
 /// A node that has started.
 struct Running {
     inbox: Arc<Inbox>,
+    detecting: Option<Detecting>,
     worker: thread::JoinHandle<()>,
     ended: oneshot::Receiver<()>,
 }
@@ -137,6 +142,7 @@ impl Start<'_> {
         &mut self,
         parameters: Parameters,
         files: MapFiles,
+        detector: Option<FindBoxes>,
     ) -> Result<Running, NodeError> {
         let arguments = self.arguments;
         let status = Shared::default();
@@ -163,7 +169,10 @@ impl Start<'_> {
         if own.use_sim_time {
             self.tasks.spawn_local(clock::follow(&mut self.node, status.clone())?);
         }
-        let listening = self.subscriptions(&own, &inbox, &status, color)?;
+        let detecting = detector.map(|find| Detecting::start(find, &own, &inbox, &status));
+        let detecting = detecting.transpose()?;
+        let newest = detecting.as_ref().map(Detecting::newest);
+        let listening = self.subscriptions(&own, &inbox, &status, (color, newest))?;
         self.diagnostics(listening, &inbox, &status)?;
         thread::Builder::new().name("perception".into()).spawn(move || perceiver.run())?;
         let (ends, ended) = oneshot::channel();
@@ -172,7 +181,7 @@ impl Start<'_> {
             let _ends: oneshot::Sender<()> = ends;
             worker.run();
         })?;
-        Ok(Running { inbox, worker, ended })
+        Ok(Running { inbox, detecting, worker, ended })
     }
 
     fn subscriptions(
@@ -180,7 +189,7 @@ impl Start<'_> {
         own: &NodeSettings,
         inbox: &Arc<Inbox>,
         status: &Shared,
-        color: ColorImages,
+        (drawn, detected): (ColorImages, Option<Arc<NewestImage>>),
     ) -> Result<Vec<Listening>, NodeError> {
         let mut subscriptions = Subscriptions {
             node: &mut self.node,
@@ -188,12 +197,11 @@ impl Start<'_> {
             inbox,
             status,
             tasks: self.tasks,
+            detected,
+            drawn: own.publish.debug_image.then_some(drawn),
             listening: Vec::new(),
         };
         subscriptions.all(own)?;
-        if own.publish.debug_image {
-            subscriptions.color(own, color)?;
-        }
         Ok(subscriptions.listening)
     }
 
@@ -232,6 +240,9 @@ impl Running {
             _ = signals.interrupt.recv() => tracing::info!("interrupted"),
             _ = signals.terminate.recv() => tracing::info!("terminated"),
             _ = self.ended => return Err(NodeError::WorkerEnded),
+        }
+        if let Some(detecting) = self.detecting {
+            detecting.stop();
         }
         self.inbox.close();
         self.worker.join().map_err(|_| NodeError::WorkerEnded)

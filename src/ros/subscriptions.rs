@@ -2,6 +2,7 @@
 
 use super::{
     color::{ColorImages, ColorMessage},
+    detecting::NewestImage,
     inbox::Inbox,
     node::NotCreated,
     qos,
@@ -48,6 +49,10 @@ pub(super) struct Subscriptions<'a> {
     pub(super) inbox: &'a Arc<Inbox>,
     pub(super) status: &'a Shared,
     pub(super) tasks: &'a LocalSet,
+    /// Where colour images go for a detector of our own; boxes come from it then.
+    pub(super) detected: Option<Arc<NewestImage>>,
+    /// Where they go to be drawn into.
+    pub(super) drawn: Option<ColorImages>,
     pub(super) listening: Vec<Listening>,
 }
 
@@ -76,7 +81,12 @@ impl Subscriptions<'_> {
                 convert::odometry(&odometry).map(input(Input::Odometry))
             })?;
         }
-        self.detections(settings, sizes.color)?;
+        if self.detected.is_none() {
+            self.detections(settings, sizes.color)?;
+        }
+        if self.detected.is_some() || self.drawn.is_some() {
+            self.color(settings)?;
+        }
         self.transforms("/tf", qos::tf(), false)?;
         self.transforms("/tf_static", qos::tf_static(), true)
     }
@@ -95,22 +105,28 @@ impl Subscriptions<'_> {
         }
     }
 
-    /// Colour images, which are only drawn into.
-    pub(super) fn color(
-        &mut self,
-        settings: &NodeSettings,
-        images: ColorImages,
-    ) -> Result<(), NotCreated> {
+    /// Colour images: boxes are found in them, and drawn into them.
+    fn color(&mut self, settings: &NodeSettings) -> Result<(), NotCreated> {
         let topics = &settings.topics;
         if topics.rgb.is_empty() {
-            tracing::warn!("publish.debug_image needs colour images, but topics.rgb is empty");
+            let wanted = match self.detected {
+                Some(_) => "detector.model",
+                None => "publish.debug_image",
+            };
+            tracing::warn!("{wanted} needs colour images, but topics.rgb is empty");
             return Ok(());
         }
         let role = Role { role: "rgb", needed: true, is_present: false };
         let qos = qos::input(settings.qos.rgb, IMAGE_DEPTH);
+        let (detected, drawn) = (self.detected.clone(), self.drawn.clone());
         let keep = move |image: ColorMessage| {
-            let stamp = image.stamp();
-            images.add(image);
+            let (stamp, image) = (image.stamp(), Arc::new(image));
+            if let Some(detected) = &detected {
+                detected.put(Arc::clone(&image));
+            }
+            if let Some(drawn) = &drawn {
+                drawn.add(image);
+            }
             Ok(Heard::Kept(stamp))
         };
         let raw = self.arguments.resolve(&topics.rgb);

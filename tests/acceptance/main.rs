@@ -3,6 +3,9 @@
 //! `ELLIPSOID_SLAM_DATA=DIR cargo test --test acceptance`
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[cfg(feature = "detector")]
+mod detector;
+
 use ellipsoid_slam::{
     geometry::{Ellipsoid, OrientedBox, Pose, intersection_over_union},
     io::BagInput,

@@ -9,10 +9,14 @@ mod damage;
 mod definitions;
 mod depth;
 mod detections;
+#[cfg(feature = "detector")]
+mod detector;
 mod fixtures;
 mod fuzz;
 mod inspect;
 mod mutants;
+#[cfg(feature = "detector")]
+mod onnx;
 mod poses;
 mod publication;
 mod replay;

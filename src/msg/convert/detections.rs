@@ -1,6 +1,6 @@
 //! 2D detections.
 
-use super::{ConvertError, checked_name, frame, header};
+use super::{ConvertError, RgbImage, checked_name, frame, header};
 use crate::{
     geometry::Rect,
     msg::{
@@ -15,6 +15,9 @@ use crate::{
     perception::{Detection, DetectionError},
     pipeline::DetectionsMessage,
 };
+
+/// A detector of our own: the boxes of an image, or a sentence that says why there are none.
+pub type FindBoxes = Box<dyn FnMut(&RgbImage) -> Result<Vec<Detection>, String> + Send>;
 
 /// The boxes of an image, and why some of them were left out.
 ///

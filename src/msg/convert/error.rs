@@ -97,6 +97,9 @@ pub enum ConvertError {
     /// A box or its classes make no sense.
     #[error("a detection is not usable: {0}")]
     Detection(#[from] DetectionError),
+    /// The detector could not look at an image.
+    #[error("the detector failed: {0}")]
+    Detector(String),
     /// A box without any pixel of the image.
     #[error("a detection's box lies outside the image of {width}x{height}")]
     BoxOutside {
@@ -124,6 +127,7 @@ impl ConvertError {
             Self::BadPose { .. } => "bad_pose",
             Self::Detection(DetectionError::BadBox) => "bad_box",
             Self::Detection(DetectionError::NoClass) => "no_class",
+            Self::Detector(_) => "detector_failed",
             Self::BoxOutside { .. } => "box_outside",
         }
     }

@@ -1,0 +1,38 @@
+//! Arguments that say what the parameters are.
+
+use crate::config::{Parameters, parameters_from_yaml};
+use anyhow::{Context, anyhow};
+use std::{fs, path::PathBuf};
+
+/// A parameter file, and single parameters above it.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(super) struct ParameterArgs {
+    /// A parameter file; `ellipsoid_slam config` prints one.
+    #[arg(long, value_name = "FILE")]
+    pub(super) config: Option<PathBuf>,
+    /// Set one parameter, such as `sync.slop_s=0.03`; it counts more than the file.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(super) set: Vec<String>,
+}
+
+impl ParameterArgs {
+    /// What file and arguments say, on top of the defaults.
+    pub(super) fn load(&self) -> anyhow::Result<Parameters> {
+        let mut parameters = match &self.config {
+            None => Parameters::default(),
+            Some(path) => {
+                let text = fs::read_to_string(path)
+                    .with_context(|| format!("cannot read the configuration {}", path.display()))?;
+                parameters_from_yaml(&text).with_context(|| path.display().to_string())?
+            }
+        };
+        for given in &self.set {
+            let (key, value) = given
+                .split_once('=')
+                .filter(|(key, value)| !key.is_empty() && !value.is_empty())
+                .ok_or_else(|| anyhow!("`--set {given}` is not of the form key=value"))?;
+            parameters.set_text(key, value).with_context(|| format!("--set {given}"))?;
+        }
+        Ok(parameters)
+    }
+}
