@@ -60,7 +60,7 @@ pub(super) fn run(args: &Args, lines: LogLines) -> Outcome {
         at_start: map_at_start(&parameters.node.map)?,
         load: Box::new(load),
         save: Box::new(|path, map| {
-            save_map(path, map).map_err(|e| format!("cannot write {}: {e}", path.display()))
+            save_map(path, map).map_err(|e| format!("{}: {e}", path.display()))
         }),
     };
     let detector = detector::load(&parameters.node.detector)?;

@@ -124,6 +124,8 @@ const METHOD_KEYS: &[Key] = &[
         "perception.glimpses",
         "boxes without a measurement place an object, seen from several places",
     ),
+    number("perception.max_boxes", 1.0, 1000.0, "most boxes of an image, the most probable ones"),
+    number("perception.max_names", 1.0, 100.0, "most names of a box, the most probable ones"),
     other(
         "perception.classes",
         "What is known of classes: symmetry none|plane|dual_plane; outline ellipsoid|cuboid|cylinder|superquadric: [e1, e2]; legs; on_floor; carries things on its top; usual size_m [long, short, height].",
@@ -284,10 +286,10 @@ const METHOD_KEYS: &[Key] = &[
     ),
     number(
         "relocalisation.position_sigma_m",
-        0.0,
+        1e-4,
         10.0,
         "standard deviation of positions, besides what covariances say [m]",
     ),
-    number("relocalisation.heading_sigma_deg", 0.0, 90.0, "the same of headings [deg]"),
-    number("relocalisation.size_sigma_ratio", 0.0, 10.0, "the same of sizes, as a share"),
+    number("relocalisation.heading_sigma_deg", 0.01, 90.0, "the same of headings [deg]"),
+    number("relocalisation.size_sigma_ratio", 1e-4, 10.0, "the same of sizes, as a share"),
 ];

@@ -10,6 +10,7 @@ mod node_keys;
 mod node_settings;
 mod parameters;
 mod text;
+mod together;
 mod values;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};

@@ -1,6 +1,6 @@
 //! All parameters together, by name as ROS 2 knows them: sections and key joined by dots.
 
-use super::{ConfigError, Key, NodeSettings, keys, text::yaml, values};
+use super::{ConfigError, Key, NodeSettings, keys, text::yaml, together::check_together, values};
 use crate::pipeline::Settings;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -106,10 +106,9 @@ impl Parameters {
             *value = slam.remove(name).unwrap_or_default();
         }
         let wrong = |e: serde_json::Error| ConfigError::WrongKind(e.to_string());
-        Ok(Self {
-            node: serde_json::from_value(Value::Object(node)).map_err(wrong)?,
-            slam: serde_json::from_value(Value::Object(slam)).map_err(wrong)?,
-        })
+        let slam: Settings = serde_json::from_value(Value::Object(slam)).map_err(wrong)?;
+        check_together(&slam)?;
+        Ok(Self { node: serde_json::from_value(Value::Object(node)).map_err(wrong)?, slam })
     }
 }
 

@@ -34,6 +34,14 @@ pub enum ConfigError {
         /// Largest allowed.
         high: f64,
     },
+    /// Numbers that do not go together.
+    #[error("`{path}` {wanted}")]
+    Unfit {
+        /// The key.
+        path: String,
+        /// What it has to be.
+        wanted: &'static str,
+    },
     /// A value of the wrong kind.
     #[error("{0}")]
     WrongKind(String),

@@ -2,7 +2,7 @@
 
 use super::write_atomically;
 use crate::{
-    geometry::{Ellipsoid, Outline, pose_from_xyzw},
+    geometry::{Ellipsoid, Outline, Pose, pose_from_xyzw},
     mapping::{SavedMap, SavedObject, proper_belief},
     time::Stamp,
 };
@@ -21,12 +21,15 @@ const MAX_BYTES: u64 = 512 << 20;
 /// The format's version; readers refuse others.
 const VERSION: u32 = 1;
 
-/// Why a text is not a map.
+/// Why a text is not a map, or a map cannot be saved as one.
 #[derive(Debug, Error)]
 pub enum MapFileError {
     /// The operating system refused.
     #[error("the map cannot be read: {0}")]
     Io(#[from] io::Error),
+    /// The operating system did not write it.
+    #[error("the map cannot be written: {0}")]
+    Write(io::Error),
     /// Larger than any map.
     #[error("the map file is larger than {} MiB, which no map is", MAX_BYTES >> 20)]
     TooLarge,
@@ -91,9 +94,10 @@ struct ObjectRecord {
 /// The text of a map file.
 ///
 /// # Errors
-/// When a number is not finite, which would be a bug of the estimation.
-pub fn map_json(map: &SavedMap) -> serde_json::Result<String> {
-    let objects = map.objects.iter().map(record).collect();
+/// When [`read_map`] would refuse it: an id that is there twice, or a field that cannot be.
+pub fn map_json(map: &SavedMap) -> Result<String, MapFileError> {
+    let objects: Vec<ObjectRecord> = map.objects.iter().map(record).collect();
+    check(&objects)?;
     let file = MapFile { version: VERSION, frame_id: map.frame_id.clone(), objects };
     let mut text = serde_json::to_string_pretty(&file)?;
     text.push('\n');
@@ -118,9 +122,9 @@ pub fn load_saved_map(path: &Path) -> Result<SavedMap, MapFileError> {
 /// Saves a map: a crash at any moment leaves the old file whole.
 ///
 /// # Errors
-/// When the file cannot be written; the old one is still there then.
-pub fn save_map(path: &Path, map: &SavedMap) -> io::Result<()> {
-    write_atomically(path, map_json(map)?.as_bytes())
+/// When the map is one that could not be loaded, or the file cannot be written; the old one is still there then.
+pub fn save_map(path: &Path, map: &SavedMap) -> Result<(), MapFileError> {
+    write_atomically(path, map_json(map)?.as_bytes()).map_err(MapFileError::Write)
 }
 
 /// Reads the text of a map file. Fields that are not known here are passed over.
@@ -133,12 +137,43 @@ pub fn read_map(text: &str) -> Result<SavedMap, MapFileError> {
         return Err(MapFileError::Version { version });
     }
     let file: MapFile = serde_json::from_str(text)?;
-    let mut ids = BTreeSet::new();
-    if let Some(object) = file.objects.iter().find(|o| !ids.insert(o.id)) {
-        return Err(MapFileError::DuplicateId { id: object.id });
-    }
-    let objects = file.objects.into_iter().map(checked).collect::<Result<_, _>>()?;
+    check(&file.objects)?;
+    let objects = file.objects.into_iter().map(object).collect::<Result<_, _>>()?;
     Ok(SavedMap { frame_id: file.frame_id, objects })
+}
+
+/// What holds for every map file, read or written.
+fn check(objects: &[ObjectRecord]) -> Result<(), MapFileError> {
+    let mut ids = BTreeSet::new();
+    for record in objects {
+        let id = record.id;
+        if !ids.insert(id) {
+            return Err(MapFileError::DuplicateId { id });
+        }
+        let wrong = checks(record).into_iter().find(|(is_good, ..)| !is_good);
+        if let Some((_, field, wanted)) = wrong {
+            return Err(MapFileError::BadObject { id, field, wanted });
+        }
+        covariance_of(record)?;
+        pose_of(record)?;
+    }
+    Ok(())
+}
+
+fn covariance_of(record: &ObjectRecord) -> Result<SMatrix<f64, 9, 9>, MapFileError> {
+    covariance(&record.covariance).ok_or(MapFileError::BadObject {
+        id: record.id,
+        field: "covariance",
+        wanted: "has to be 81 numbers of a symmetric positive definite matrix",
+    })
+}
+
+fn pose_of(record: &ObjectRecord) -> Result<Pose, MapFileError> {
+    pose_from_xyzw(record.position, record.orientation).ok_or(MapFileError::BadObject {
+        id: record.id,
+        field: "orientation",
+        wanted: "has to be a quaternion of unit length",
+    })
 }
 
 fn record(object: &SavedObject) -> ObjectRecord {
@@ -162,21 +197,10 @@ fn record(object: &SavedObject) -> ObjectRecord {
     }
 }
 
-fn checked(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
-    let id = record.id;
-    let bad = |field, wanted| MapFileError::BadObject { id, field, wanted };
-    for (is_good, field, wanted) in checks(&record) {
-        if !is_good {
-            return Err(bad(field, wanted));
-        }
-    }
-    let covariance = covariance(&record.covariance).ok_or_else(|| {
-        bad("covariance", "has to be 81 numbers of a symmetric positive definite matrix")
-    })?;
-    let pose = pose_from_xyzw(record.position, record.orientation)
-        .ok_or_else(|| bad("orientation", "has to be a quaternion of unit length"))?;
+fn object(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
+    let (covariance, pose) = (covariance_of(&record)?, pose_of(&record)?);
     Ok(SavedObject {
-        id,
+        id: record.id,
         label: record.label,
         labels: proper_belief(record.labels),
         existence: record.existence,
@@ -211,19 +235,19 @@ fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 8] {
         (labels_fit, "labels", "have to have probabilities between 0 and 1, the label one above 0"),
         (probability(&record.existence), "existence", "has to be between 0 and 1"),
         (in_order, "first_seen", "has to be a time not after last_seen"),
-        (near(&record.position, MAX_PLACE_M), "position", "has to be within 1000 km"),
+        (near(&record.position, MAX_PLACE_M), "position", "has to be within 100,000 km"),
         (sizes, "semi_axes", "have to be positive and at most 1 km"),
         (
             exponents_fit,
             "outline",
             "has to have exponents above 0, of the profile up to 1 and of the footprint below 2",
         ),
-        (support, "support_height", "has to be within 1000 km"),
+        (support, "support_height", "has to be within 100,000 km"),
     ]
 }
 
-/// Beyond, arithmetic would lose what matters (m).
-const MAX_PLACE_M: f64 = 1e6;
+/// Northings of UTM are up to 10,000 km, and doubles tell micrometres apart there; farther off is a mistake (m).
+const MAX_PLACE_M: f64 = 1e8;
 const MAX_SIZE_M: f64 = 1e3;
 /// What 64 bits of nanoseconds hold.
 const MAX_STAMP_S: f64 = 9.2e9;

@@ -1,7 +1,7 @@
 //! What an object is called, when detectors confuse classes.
 
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How detectors confuse classes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,16 +42,10 @@ const ALIKE: &[&[&str]] = &[
 ];
 
 impl LabelSettings {
-    /// How probable it is that an object of a class is called so.
-    fn probability(&self, called: &str, class: &str) -> f64 {
-        let holds = |group: &Vec<String>, label: &str| group.iter().any(|other| other == label);
-        if called == class {
-            1.0 - self.confused
-        } else if self.alike.iter().any(|group| holds(group, called) && holds(group, class)) {
-            self.confused
-        } else {
-            self.wrong
-        }
+    /// The other classes of a class' groups, each once.
+    fn alike_to(&self, class: &str) -> BTreeSet<&str> {
+        let groups = self.alike.iter().filter(|group| group.iter().any(|other| other == class));
+        groups.flatten().map(String::as_str).filter(|other| *other != class).collect()
     }
 
     /// Posterior of the classes that an object was called, by Bayes' rule, when it was called each so often and all are
@@ -61,9 +55,14 @@ impl LabelSettings {
     pub(super) fn posterior(&self, votes: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
         let total: f64 = votes.values().sum();
         let share = (INDEPENDENT_NAMES / total).min(1.0);
+        // All names are wrong ones but those of the class and of its group: no sum over pairs.
+        let (right, confused, wrong) =
+            ((1.0 - self.confused).ln(), self.confused.ln(), self.wrong.ln());
         let log_likelihood = |class: &String| -> f64 {
-            let of_name = |(called, n): (&String, &f64)| n * self.probability(called, class).ln();
-            share * votes.iter().map(of_name).sum::<f64>()
+            let of = |name: &str| votes.get(name).copied().unwrap_or(0.0);
+            let alike: f64 = self.alike_to(class).into_iter().map(of).sum();
+            let own = of(class);
+            share * (own * right + alike * confused + (total - own - alike) * wrong)
         };
         let logs: Vec<f64> = votes.keys().map(log_likelihood).collect();
         let best = logs.iter().copied().fold(f64::MIN, f64::max);
@@ -74,12 +73,16 @@ impl LabelSettings {
     /// Negative logarithm of the probability that a thing with this belief about its class is called so.
     pub(super) fn cost(&self, called: &[(String, f64)], belief: &BTreeMap<String, f64>) -> f64 {
         let total: f64 = called.iter().map(|(_, p)| p).sum();
-        let likelihood: f64 = called
-            .iter()
-            .flat_map(|(name, p)| {
-                belief.iter().map(move |(class, b)| p / total * b * self.probability(name, class))
-            })
-            .sum();
+        let believed: f64 = belief.values().sum();
+        let of = |class: &str| belief.get(class).copied().unwrap_or(0.0);
+        let of_name = |name: &str| {
+            let alike: f64 = self.alike_to(name).into_iter().map(of).sum();
+            let own = of(name);
+            own * (1.0 - self.confused)
+                + alike * self.confused
+                + (believed - own - alike).max(0.0) * self.wrong
+        };
+        let likelihood: f64 = called.iter().map(|(name, p)| p / total * of_name(name)).sum();
         -likelihood.max(f64::MIN_POSITIVE).ln()
     }
 

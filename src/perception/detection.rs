@@ -40,6 +40,13 @@ impl Detection {
         Ok(Self { rect, track: None, hypotheses })
     }
 
+    /// Keeps the most probable names; how many it had besides.
+    pub fn keep_names(&mut self, most: usize) -> usize {
+        let more = self.hypotheses.len().saturating_sub(most.max(1));
+        self.hypotheses.truncate(most.max(1));
+        more
+    }
+
     /// The most probable class.
     pub fn label(&self) -> &str {
         &self.hypotheses[0].0

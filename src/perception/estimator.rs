@@ -34,6 +34,10 @@ pub struct PerceptionSettings {
     pub fit: FitModel,
     /// Whether boxes without a measurement say where an object is, from several places.
     pub glimpses: bool,
+    /// Boxes of an image that are looked at, the most probable ones.
+    pub max_boxes: usize,
+    /// Names of a box that count, the most probable ones.
+    pub max_names: usize,
     /// What is known of each class.
     pub classes: Classes,
 }
@@ -46,6 +50,8 @@ impl Default for PerceptionSettings {
             segmentation: SegmentationSettings::default(),
             fit: FitModel::default(),
             glimpses: true,
+            max_boxes: 100,
+            max_names: 10,
             classes: Classes::default(),
         }
     }

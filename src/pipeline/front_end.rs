@@ -13,6 +13,7 @@ use crate::{
     time::Stamp,
 };
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 /// The first half of the method. It learns nothing from the map, so it can run ahead of [`ObjectSlam::join`] on a
 /// thread of its own: what comes out is the same.
@@ -104,7 +105,9 @@ impl FrontEnd {
                 odometry_covariance: moment.odometry_covariance.take(),
                 look: None,
             };
-            if let Some(detections) = moment.detections.take() {
+            if let Some(mut detections) = moment.detections.take() {
+                let limited = self.limit(frame.stamp, &mut detections);
+                perceived.dropped.extend(limited);
                 match self.look(moment, detections, observer) {
                     Ok(look) => frame.look = Some(look),
                     Err(dropped) => perceived.dropped.push(dropped),
@@ -113,6 +116,34 @@ impl FrontEnd {
             }
             perceived.frames.push(frame);
         }
+    }
+
+    /// Keeps the most probable boxes and names, in the order in which they came: what an image costs is bounded.
+    fn limit(&self, stamp: Stamp, detections: &mut Vec<Detection>) -> Vec<Dropped> {
+        let (most, most_names) =
+            (self.settings.perception.max_boxes, self.settings.perception.max_names);
+        let boxes = detections.len();
+        if boxes > most {
+            let mut ranked: Vec<usize> = (0..boxes).collect();
+            let probability = |at: &usize| detections[*at].probability();
+            ranked.sort_by(|a, b| probability(b).total_cmp(&probability(a)).then(a.cmp(b)));
+            let kept: BTreeSet<usize> = ranked.into_iter().take(most).collect();
+            let mut at = 0..;
+            detections.retain(|_| at.next().is_some_and(|at| kept.contains(&at)));
+        }
+        let names: usize = detections.iter_mut().map(|d| d.keep_names(most_names)).sum();
+        let dropped = |reason, why| Dropped { stamp, reason, why };
+        let of_boxes = (boxes > most).then(|| {
+            let why = format!(
+                "the image has {boxes} boxes: the {most} most probable ones were looked at"
+            );
+            dropped("too_many_boxes", why)
+        });
+        let of_names = (names > 0).then(|| {
+            let why = format!("{names} names of boxes were left out: each box keeps the {most_names} most probable");
+            dropped("too_many_names", why)
+        });
+        of_boxes.into_iter().chain(of_names).collect()
     }
 
     /// Depth and boxes become ellipsoids. Liao et al. 2020, section IV.

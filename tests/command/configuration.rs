@@ -61,6 +61,8 @@ fn mistakes_are_named() {
         ("perception: {segmentation: {max_range_m: -1}}", "perception.segmentation.max_range_m"),
         ("perception: {segmentation: {max_range_m: far}}", "must be a number"),
         ("perception: {fit: spline}", "spline"),
+        ("perception: {classes: {listed: {keyboard: {size_m: [0.13, 0.44, 0.03]}}}}", "the longer"),
+        ("mapping: {labels: {wrong: 0.2}}", "mapping.labels.confused"),
         ("mapping: {gate: {ambiguity: .nan}}", "line 3"),
     ];
     for (body, words) in cases {

@@ -214,3 +214,37 @@ proptest! {
         }
     }
 }
+
+/// What is saved can be loaded: a map that cannot is refused before anything is written.
+#[test]
+fn what_cannot_be_loaded_is_not_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.json");
+    let good = read_map(&file().to_string()).unwrap();
+    save_map(&path, &good).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let with = |change: fn(&mut ellipsoid_slam::mapping::SavedObject)| {
+        let mut bad = good.clone();
+        change(&mut bad.objects[1]);
+        save_map(&path, &bad).unwrap_err().to_string()
+    };
+    let says = with(|o| o.ellipsoid.pose.translation.vector.x = 2e8);
+    assert_eq!(says, "object 5: position has to be within 100,000 km");
+    let says = with(|o| o.outline = Outline::Superquadric(0.5, 2.0));
+    assert!(says.starts_with("object 5: outline has to"), "{says}");
+    let says = with(|o| o.covariance[(4, 4)] = f64::NAN);
+    assert!(says.starts_with("object 5: covariance has to"), "{says}");
+    let says = with(|o| o.id = 3);
+    assert_eq!(says, "two objects have the id 3");
+    assert_eq!(fs::read(&path).unwrap(), bytes, "the old map is still there");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
+}
+
+/// Eastings and northings of UTM (m) are places like others.
+#[test]
+fn a_map_in_utm_coordinates_is_saved_and_loaded() {
+    let mut map = read_map(&file().to_string()).unwrap();
+    map.objects[0].ellipsoid.pose.translation.vector = nalgebra::Vector3::new(5e5, 9.9e6, 112.25);
+    let again = read_map(&map_json(&map).unwrap()).unwrap();
+    assert_eq!(again.objects[0].ellipsoid.center(), map.objects[0].ellipsoid.center());
+}

@@ -2,12 +2,14 @@
 
 mod clocks;
 mod glimpses;
+mod limits;
 mod missing;
 mod moved_chair;
 mod pairing;
 mod poses;
 mod random_orders;
 mod replay;
+mod settings;
 
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Pose},
