@@ -1,6 +1,6 @@
 //! The map file, `map.json`.
 
-use super::write_atomically;
+use super::{disk_problem, write_atomically};
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, pose_from_xyzw},
     mapping::{SavedMap, SavedObject, proper_belief},
@@ -28,7 +28,7 @@ pub enum MapFileError {
     #[error("the map cannot be read: {0}")]
     Io(#[from] io::Error),
     /// The operating system did not write it.
-    #[error("the map cannot be written: {0}")]
+    #[error("the map cannot be written: {}", disk_problem(.0))]
     Write(io::Error),
     /// Larger than any map.
     #[error("the map file is larger than {} MiB, which no map is", MAX_BYTES >> 20)]
