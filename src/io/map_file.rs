@@ -10,7 +10,7 @@ use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs::File,
+    fs::{self, File},
     io::{self, Read},
     path::Path,
 };
@@ -30,6 +30,9 @@ pub enum MapFileError {
     /// The operating system did not write it.
     #[error("the map cannot be written: {}", disk_problem(.0))]
     Write(io::Error),
+    /// A folder, a pipe, a device, or where it is written, a link.
+    #[error("it is no regular file")]
+    NotAFile,
     /// Larger than any map.
     #[error("the map file is larger than {} MiB, which no map is", MAX_BYTES >> 20)]
     TooLarge,
@@ -109,9 +112,13 @@ pub fn map_json(map: &SavedMap) -> Result<String, MapFileError> {
 /// # Errors
 /// When the file cannot be read, is larger than any map, or is not a map.
 pub fn load_saved_map(path: &Path) -> Result<SavedMap, MapFileError> {
+    // Opening a pipe that nobody writes to would never end.
+    if !fs::metadata(path)?.is_file() {
+        return Err(MapFileError::NotAFile);
+    }
     let file = File::open(path)?;
     let mut text = String::new();
-    // What a file says about its length need not be so: pipes and devices say nothing.
+    // What a file says about its length need not be so.
     let read = file.take(MAX_BYTES + 1).read_to_string(&mut text)?;
     if read as u64 > MAX_BYTES {
         return Err(MapFileError::TooLarge);
@@ -122,9 +129,13 @@ pub fn load_saved_map(path: &Path) -> Result<SavedMap, MapFileError> {
 /// Saves a map: a crash at any moment leaves the old file whole.
 ///
 /// # Errors
-/// When the map is one that could not be loaded, or the file cannot be written; the old one is still there then.
+/// When the map is one that could not be loaded, what is there is no regular file, or it cannot be written; the old one is still there then.
 pub fn save_map(path: &Path, map: &SavedMap) -> Result<(), MapFileError> {
-    write_atomically(path, map_json(map)?.as_bytes()).map_err(MapFileError::Write)
+    let text = map_json(map)?;
+    if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
+        return Err(MapFileError::NotAFile);
+    }
+    write_atomically(path, text.as_bytes()).map_err(MapFileError::Write)
 }
 
 /// Reads the text of a map file. Fields that are not known here are passed over.

@@ -48,6 +48,12 @@ pub enum DomainError {
         "RMW_IMPLEMENTATION asks for Zenoh, but this program was built without it: build it with `--features zenoh`"
     )]
     WithoutZenoh,
+    /// Security is asked for and not there.
+    #[error(
+        "ROS_SECURITY_ENABLE is true and ROS_SECURITY_STRATEGY is Enforce, but this program has no security (SROS 2): it does \
+         not start without it; without Enforce it takes part unprotected"
+    )]
+    WithoutSecurity,
     /// A middleware that did not start.
     #[error("{middleware} does not start in domain {id}: {problem}")]
     NotStarted {
@@ -70,6 +76,11 @@ impl Domain {
     /// When a variable has a value that cannot be honoured.
     pub fn from_environment() -> Result<Self, DomainError> {
         let value = |name| env::var(name).ok().filter(|text| !text.is_empty());
+        // As rcl reads them: anything else means that security may be missing.
+        let is_secured = value("ROS_SECURITY_ENABLE").is_some_and(|enable| enable == "true");
+        if is_secured && value("ROS_SECURITY_STRATEGY").is_some_and(|it| it == "Enforce") {
+            return Err(DomainError::WithoutSecurity);
+        }
         let id = match value("ROS_DOMAIN_ID") {
             None => 0,
             Some(given) => match given.parse() {

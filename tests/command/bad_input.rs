@@ -134,3 +134,18 @@ fn wrong_usage_has_status_2() {
         assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stderr(&output));
     }
 }
+
+#[test]
+fn a_node_without_security_does_not_start_where_security_is_enforced() {
+    let node = |strategy: &str| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_ellipsoid_slam"));
+        command.arg("node").env("ROS_SECURITY_ENABLE", "true");
+        // Another mistake, so that it never runs.
+        command.env("ROS_SECURITY_STRATEGY", strategy).env("ROS_DOMAIN_ID", "none");
+        command.output().unwrap()
+    };
+    let refused = node("Enforce");
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(stderr(&refused).contains("this program has no security"), "{}", stderr(&refused));
+    assert!(stderr(&node("Permissive")).contains("ROS_DOMAIN_ID"));
+}

@@ -248,3 +248,23 @@ fn a_map_in_utm_coordinates_is_saved_and_loaded() {
     let again = read_map(&map_json(&map).unwrap()).unwrap();
     assert_eq!(again.objects[0].ellipsoid.center(), map.objects[0].ellipsoid.center());
 }
+
+/// Devices and pipes, and what links point to, stay as they are, and nobody waits for them.
+#[test]
+#[cfg(unix)]
+fn maps_are_regular_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = read_map(&file().to_string()).unwrap();
+    let [pipe, link, target] = ["pipe", "link", "target"].map(|name| folder.path().join(name));
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    fs::write(&target, "precious").unwrap();
+    std::os::unix::fs::symlink(&target, &link).unwrap();
+    for path in [&pipe, &link, &folder.path().to_owned()] {
+        assert_eq!(save_map(path, &map).unwrap_err().to_string(), "it is no regular file");
+    }
+    for path in [&pipe, &folder.path().to_owned()] {
+        assert_eq!(load_saved_map(path).unwrap_err().to_string(), "it is no regular file");
+    }
+    assert_eq!(fs::read_to_string(&target).unwrap(), "precious");
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+}
