@@ -16,7 +16,7 @@ use crate::{
     io::{BagInput, Inputs, Remap, Roles, load_saved_map},
     mapping::{Relocalised, SavedMap},
     msg::convert::FindBoxes,
-    pipeline::{Dropped, Input, ObjectSlam, Settings, StartPose, Update},
+    pipeline::{Calibration, Dropped, Input, ObjectSlam, Settings, StartPose, Update},
     time::Stamp,
 };
 use anyhow::{Context, anyhow};
@@ -83,6 +83,8 @@ pub(super) struct Summary {
     refused_boxes: BTreeMap<&'static str, u64>,
     /// When and where the place in the saved map was recognised.
     relocalised: Option<Relocalisation>,
+    /// What was learnt of the camera's mount and of the clocks.
+    calibration: Calibration,
     pub(super) objects: usize,
     keyframe_time: Option<KeyframeTime>,
     seconds: f64,
@@ -205,6 +207,7 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
         skipped_messages.entry(topic.to_owned()).or_default().insert(reason, count);
     }
     warnings.extend(run.streams.warnings(inputs.log_time()));
+    warnings.extend(run.calibration.sentences());
     warnings.extend(run.dropped.values().map(|d| format!("{} x {}", d.count, d.first)));
     if let (Some(waiting), Some(path)) = (slam.waiting(), &args.map) {
         warnings.push(format!(
@@ -228,6 +231,7 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
         boxes: run.boxes,
         refused_boxes: run.refused.clone(),
         relocalised: run.relocalised.clone(),
+        calibration: run.calibration,
         objects: slam.objects().count(),
         keyframe_time: run.stopwatch.keyframe_time(),
         seconds: (now() - started).as_secs_f64(),
@@ -251,6 +255,7 @@ struct Run<'a> {
     dropped: BTreeMap<&'static str, Counted>,
     refused: BTreeMap<&'static str, u64>,
     relocalised: Option<Relocalisation>,
+    calibration: Calibration,
 }
 
 struct Counted {
@@ -272,6 +277,7 @@ impl<'a> Run<'a> {
             dropped: BTreeMap::new(),
             refused: BTreeMap::new(),
             relocalised: None,
+            calibration: Calibration::default(),
         }
     }
 
@@ -294,6 +300,7 @@ impl<'a> Run<'a> {
         self.frames += update.poses.len();
         for keyframe in &update.keyframes {
             self.keyframes += 1;
+            self.calibration = keyframe.calibration;
             self.boxes += keyframe.boxes.len();
             for refused in keyframe.boxes.iter().filter_map(|b| b.measurement.as_ref().err()) {
                 *self.refused.entry(refused.reason()).or_default() += 1;

@@ -132,7 +132,8 @@ fn write(bag: &mut Recording, simulation: &Simulation, images: &Images) -> anyho
         let reading = (frame.stamp, frame.odometry.clone());
         for (stamp, between) in readings_since(previous.as_ref(), &reading) {
             write_due_boxes(bag, &mut late, stamp)?;
-            bag.odometry(&odometry(stamp, &between))?;
+            let stamped = stamp.shifted(simulation.settings().odometry.stamped_late_s);
+            bag.odometry(&odometry(stamped, &between))?;
         }
         previous = Some(reading);
         bag.true_pose(frame.stamp, BASE_FRAME, &frame.world_from_base)?;

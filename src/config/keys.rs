@@ -45,6 +45,12 @@ const METHOD_KEYS: &[Key] = &[
     number("sync.max_waiting", 1.0, 1000.0, "most depth images that wait at once"),
     other("sync.odom_frame", "odometry's frame, where odometry comes from TF only").at_start(),
     other("sync.base_frame", "base frame, likewise; empty: the camera's own frame").at_start(),
+    number(
+        "sync.stamp_sigma_s",
+        0.0,
+        0.2,
+        "how far stamps of odometry and images usually are apart [s]",
+    ),
     other(
         "depth_noise",
         "Standard deviation of depth: base_m + quadratic_per_m * (z - best_range_m)^2.",

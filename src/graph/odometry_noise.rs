@@ -122,7 +122,7 @@ fn derived(
     if Cholesky::new(covariance).is_none() {
         return Err(NotOdometry::NotASum);
     }
-    model.check(&covariance.diagonal(), &step)?;
+    model.check(&grown.diagonal(), &step)?;
     Ok(covariance)
 }
 
@@ -155,7 +155,7 @@ impl MotionModel {
         self.floors() + Vector6::new(0.0, 0.0, heading, position, position, 0.0)
     }
 
-    /// Whether variances of a step are credible. Roll, pitch and height may be better known than what is in the
+    /// Whether variances of a step, floors not among them, are credible: a covariance that never changes grows by nothing. Roll, pitch and height may be better known than what is in the
     /// plane, and on a robot that does not drive they are as uncertain.
     fn check(&self, variances: &Vector6<f64>, step: &Pose) -> Result<(), NotOdometry> {
         let (heading, position) = self.planar(step);
@@ -165,8 +165,8 @@ impl MotionModel {
         if (0..6).any(|i| variances[i] > factor * most[i]) {
             return Err(NotOdometry::TooLarge);
         }
-        let least = self.variances(step) / factor;
-        if [2, 3, 4].into_iter().any(|i| variances[i] < least[i]) {
+        let least = [(2, heading), (3, position), (4, position)];
+        if least.into_iter().any(|(i, usual)| variances[i] < usual / factor) {
             return Err(NotOdometry::TooSmall);
         }
         Ok(())

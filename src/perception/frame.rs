@@ -73,6 +73,8 @@ pub struct Frame<'a> {
     rays: &'a Rays,
     noise: DepthNoise,
     level_from_camera: Matrix3<f64>,
+    /// How far below the camera the floor is that the wheels stand on (m), if there are wheels and it was seen.
+    floor_below_m: Option<f64>,
 }
 
 impl<'a> Frame<'a> {
@@ -88,7 +90,19 @@ impl<'a> Frame<'a> {
             (rays.camera.width(), rays.camera.height()),
             "depth registered to the camera has the camera's size"
         );
-        Self { depth, rays, noise, level_from_camera: level_from_camera(up_in_camera) }
+        let level_from_camera = level_from_camera(up_in_camera);
+        Self { depth, rays, noise, level_from_camera, floor_below_m: None }
+    }
+
+    /// The same frame of a robot whose wheels stand on a floor so far below the camera (m).
+    #[must_use]
+    pub fn above_floor(self, floor_below_m: Option<f64>) -> Self {
+        Self { floor_below_m, ..self }
+    }
+
+    /// How far below the camera the floor is that the wheels stand on (m), where that is known.
+    pub fn floor_below_m(&self) -> Option<f64> {
+        self.floor_below_m
     }
 
     /// Rotation from the camera's optical frame to the level frame; the origins coincide.

@@ -70,7 +70,7 @@ pub(super) fn glimpse(
     let place = Surroundings {
         frame,
         rect: *rect,
-        floor: floor(around.planes).filter(|_| prior.on_floor),
+        floor: floor(frame, around.planes).filter(|_| prior.on_floor),
         others: detections.iter().map(|other| other.rect).filter(|other| other != rect).collect(),
     };
     let Readings { ranges, of_object, before_m } = Readings::new(frame, rect, around.walls);
@@ -257,11 +257,11 @@ impl Apparent {
     }
 }
 
-/// The lowest level plane of an image, in the level frame. The height below the camera counts and not the tilt: the floor is
-/// seen near the robot, and what is glimpsed is far off.
-fn floor(planes: &[SupportPlane]) -> Option<Plane> {
+/// The floor that the wheels stand on, or without wheels the lowest level plane of an image, in the level frame. The height below
+/// the camera counts and not the tilt: the floor is seen near the robot, and what is glimpsed is far off.
+fn floor(frame: &Frame<'_>, planes: &[SupportPlane]) -> Option<Plane> {
     let below_m = planes.iter().map(|found| found.plane.offset / found.plane.normal.z);
-    let below_m = below_m.max_by(f64::total_cmp)?;
+    let below_m = frame.floor_below_m().or_else(|| below_m.max_by(f64::total_cmp))?;
     Some(Plane { normal: Vector3::z_axis(), offset: below_m })
 }
 

@@ -1,18 +1,21 @@
 //! What needs no map: pairing of messages, and what single images show.
 
 use super::{
-    CameraMessage, DepthMessage, Dropped, Input, Settings,
+    Calibration, CameraMessage, DepthMessage, Dropped, Input, Settings,
+    mount::{Mount, Tilt},
+    placement::Placement,
+    stamp_offset::StampOffset,
     sync::{Moment, Sync},
 };
 use crate::{
     geometry::{Camera, Pose},
     perception::{
-        DepthImage, Detection, Frame, FrameEstimate, Rays, Stage, StageObserver, estimate_frame,
-        register_depth,
+        DepthImage, Detection, Frame, FrameEstimate, PerceptionSettings, Rays, Stage,
+        StageObserver, estimate_frame, find_floor, register_depth,
     },
     time::Stamp,
 };
-use nalgebra::Vector3;
+use nalgebra::{Point3, Unit, Vector3};
 use std::collections::BTreeSet;
 
 /// The first half of the method. It learns nothing from the map, so it can run ahead of [`ObjectSlam::join`] on a
@@ -25,6 +28,8 @@ pub struct FrontEnd {
     sync: Sync,
     color_rays: Option<Rays>,
     depth_rays: Option<Rays>,
+    mount: Option<Mount>,
+    stamp_offset: StampOffset,
 }
 
 /// What a message made possible; often nothing.
@@ -49,7 +54,10 @@ pub(super) struct PerceivedFrame {
 /// What an image shows.
 #[derive(Clone, Debug)]
 pub(super) struct Look {
+    /// As TF has it, turned by the tilt that the floor tells.
     pub(super) base_from_camera: Pose,
+    pub(super) placement: Placement,
+    pub(super) calibration: Calibration,
     /// Of boxes and depth.
     pub(super) camera: Camera,
     pub(super) depth: DepthImage,
@@ -68,7 +76,8 @@ impl FrontEnd {
     /// Nothing has come yet.
     pub fn new(settings: Settings) -> Self {
         let sync = Sync::new(settings.sync.clone());
-        Self { settings, sync, color_rays: None, depth_rays: None }
+        let stamp_offset = StampOffset::new(settings.sync.stamp_sigma_s);
+        Self { settings, sync, color_rays: None, depth_rays: None, mount: None, stamp_offset }
     }
 
     /// From now on these settings count.
@@ -153,15 +162,64 @@ impl FrontEnd {
         detections: Vec<Detection>,
         observer: &mut dyn StageObserver,
     ) -> Result<Look, Dropped> {
-        let odom_from_camera = moment.odom_from_base * moment.base_from_camera;
-        let up_in_camera = odom_from_camera.rotation.inverse() * Vector3::z_axis();
+        let stamp = moment.depth.stamp;
         observer.enter(Some(Stage::Registration));
         let depth = self.depth_in_color(moment.depth, &moment.color, moment.registration)?;
-        let rays = rays_of(&mut self.color_rays, &moment.color.camera);
-        let frame = Frame::new(&depth, rays, &up_in_camera, self.settings.depth_noise);
+        let Moment { color, odom_from_base, velocity, .. } = moment;
+        observer.enter(Some(Stage::SupportPlanes));
+        let place = (&color, &odom_from_base, &moment.base_from_camera);
+        let (tilt, floor_below_m) = self.level(stamp, &depth, place);
+        let base_from_camera = tilt.turned(&moment.base_from_camera);
+        let rays = rays_of(&mut self.color_rays, &color.camera);
+        let up = up_in_camera(&odom_from_base, &base_from_camera);
+        let frame = Frame::new(&depth, rays, &up, self.settings.depth_noise);
+        let frame = frame.above_floor(floor_below_m);
         let estimate = estimate_frame(&frame, &detections, &self.settings.perception, observer);
-        let Moment { color, base_from_camera, .. } = moment;
-        Ok(Look { base_from_camera, camera: color.camera, depth, detections, estimate })
+        let used_s = self.stamp_offset.correction_s();
+        self.stamp_offset.see(
+            &estimate.walls,
+            (&odom_from_base, &base_from_camera),
+            (used_s, velocity[2]),
+        );
+        self.sync.shift_odometry(self.stamp_offset.correction_s());
+        let offset = self.stamp_offset.known();
+        let calibration = Calibration::new(self.mount.as_ref().map(Mount::slow), offset);
+        let camera_at = base_from_camera.translation.vector.into();
+        let placement = Placement { camera_at, tilt, jitter: velocity * offset.sigma_s };
+        let camera = color.camera;
+        Ok(Look { base_from_camera, placement, calibration, camera, depth, detections, estimate })
+    }
+
+    /// How the camera is tilted in an image against TF, by the floor where it shows, and how far the floor is below it (m).
+    fn level(
+        &mut self,
+        stamp: Stamp,
+        depth: &DepthImage,
+        (color, odom_from_base, base_from_camera): (&CameraMessage, &Pose, &Pose),
+    ) -> (Tilt, Option<f64>) {
+        if self.sync.frames().1 == color.frame_id {
+            return (Tilt::none(), None);
+        }
+        if self.mount.as_ref().is_some_and(|mount| !mount.is_of(&color.frame_id)) {
+            self.mount = None;
+        }
+        let mount = self.mount.get_or_insert_with(|| Mount::new(&color.frame_id));
+        let expected = mount.expected();
+        let base_from_camera = expected.turned(base_from_camera);
+        let up = up_in_camera(odom_from_base, &base_from_camera);
+        let rays = rays_of(&mut self.color_rays, &color.camera);
+        let frame = Frame::new(depth, rays, &up, self.settings.depth_noise);
+        let level_from_base = frame.level_from_camera() * base_from_camera.inverse();
+        let wheels = level_from_base * Point3::origin();
+        let PerceptionSettings { support, segmentation, .. } = &self.settings.perception;
+        let tilt = match find_floor(&frame, &wheels, segmentation.max_range_m, support) {
+            Some(floor) => {
+                let base_from_level = level_from_base.rotation.inverse();
+                mount.correct(stamp, (&floor, &wheels), &base_from_level)
+            }
+            None => expected,
+        };
+        (tilt, mount.floor_under_wheels_m().map(|under_m| under_m - wheels.z))
     }
 
     /// Depth as the colour camera sees it, whose image the boxes live in.
@@ -193,6 +251,11 @@ impl FrontEnd {
         let noise = &self.settings.depth_noise;
         Ok(register_depth(&depth.image, rays, &color.camera, &color_from_depth, noise))
     }
+}
+
+/// Against gravity, in the camera's frame.
+fn up_in_camera(odom_from_base: &Pose, base_from_camera: &Pose) -> Unit<Vector3<f64>> {
+    (odom_from_base * base_from_camera).rotation.inverse() * Vector3::z_axis()
 }
 
 /// The rays of a camera, computed anew only when the calibration changes.

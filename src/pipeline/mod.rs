@@ -3,8 +3,11 @@
 mod front_end;
 mod history;
 mod input;
+mod mount;
+mod placement;
 mod settings;
 mod slam;
+mod stamp_offset;
 mod start_pose;
 mod sync;
 mod transforms;
@@ -14,6 +17,7 @@ pub use input::{
     CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
     StampedTransform,
 };
+pub use placement::Calibration;
 pub use settings::Settings;
 pub use slam::{BoxResult, FramePose, Keyframe, ObjectSlam, Update};
 pub use start_pose::{NoStartPose, StartPose};

@@ -1,8 +1,9 @@
 //! The whole method on one page.
 
 use super::{
-    Dropped, FrontEnd, Input, Perceived, Settings,
+    Calibration, Dropped, FrontEnd, Input, Perceived, Settings,
     front_end::{Look, PerceivedFrame},
+    placement::Placement,
 };
 use crate::{
     geometry::{Camera, Pose, Rect},
@@ -66,6 +67,8 @@ pub struct Keyframe {
     pub base_from_camera: Pose,
     /// Depth as that camera sees it.
     pub depth: DepthImage,
+    /// What is known by now of the camera's mount and of the clocks.
+    pub calibration: Calibration,
 }
 
 /// What came of one box.
@@ -215,32 +218,25 @@ impl ObjectSlam {
         look: Look,
         update: &mut Update,
     ) -> Keyframe {
-        let Look { base_from_camera, camera, depth, detections, estimate } = look;
+        let Look { base_from_camera, placement, calibration, camera, depth, detections, estimate } =
+            look;
         let found = estimate.objects.iter().zip(&estimate.glimpses);
+        let view = (&base_from_camera, &placement);
         let seen = detections.iter().zip(found).map(|(detection, (found, glimpse))| {
-            let class = self.settings.perception.classes.prior(detection.label());
-            let measured = match (found, glimpse) {
-                (Ok(measured), _) => Some(in_base(measured, &base_from_camera, class.size_m)),
-                (Err(_), Some(glimpse)) => Some(glimpsed(glimpse, &base_from_camera)),
-                (Err(_), None) => None,
-            };
-            let found = found.as_ref().ok();
-            let view = (&camera, &base_from_camera);
-            Observation {
-                labels: detection.hypotheses().to_vec(),
-                track: detection.track,
-                outline: class.outline,
-                rect: Some(detection.rect),
-                sides: observed_box(detection, found, glimpse.as_ref(), view, &self.settings.slam),
-                measured,
-            }
+            observation(
+                detection,
+                (found.as_ref().ok(), glimpse.as_ref()),
+                &camera,
+                view,
+                &self.settings,
+            )
         });
         let sighted = self.map.observe(&Sighting {
             stamp,
             odom_from_base: *odom_from_base,
             odometry_covariance,
             observations: seen.collect(),
-            walls: estimate.walls.iter().map(|w| wall_in_base(w, &base_from_camera)).collect(),
+            walls: estimate.walls.iter().map(|w| wall_in_base(w, view)).collect(),
             view: Some(View {
                 base_from_camera,
                 camera: &camera,
@@ -271,6 +267,7 @@ impl ObjectSlam {
             boxes,
             support_heights_m,
             walls,
+            calibration,
             camera,
             base_from_camera,
             depth,
@@ -278,15 +275,40 @@ impl ObjectSlam {
     }
 }
 
+/// What a box says of an object, in the frame of the base.
+fn observation(
+    detection: &Detection,
+    (found, glimpse): (Option<&EllipsoidMeasurement>, Option<&Glimpse>),
+    camera: &Camera,
+    view: (&Pose, &Placement),
+    settings: &Settings,
+) -> Observation {
+    let class = settings.perception.classes.prior(detection.label());
+    let measured = match (found, glimpse) {
+        (Some(measured), _) => Some(in_base(measured, view, class.size_m)),
+        (None, Some(glimpse)) => Some(glimpsed(glimpse, view)),
+        (None, None) => None,
+    };
+    Observation {
+        labels: detection.hypotheses().to_vec(),
+        track: detection.track,
+        outline: class.outline,
+        rect: Some(detection.rect),
+        sides: observed_box(detection, (found, glimpse), camera, view, &settings.slam),
+        measured,
+    }
+}
+
 /// A measurement in the frame of the base. Liao et al. 2020, eq. (12).
 fn in_base(
     measurement: &EllipsoidMeasurement,
-    base_from_camera: &Pose,
+    (base_from_camera, placement): (&Pose, &Placement),
     usual_m: Option<[f64; 3]>,
 ) -> Measured {
+    let ellipsoid = measurement.ellipsoid.transformed(base_from_camera);
     let measured = Measured {
-        ellipsoid: measurement.ellipsoid.transformed(base_from_camera),
-        covariance: measurement.covariance,
+        covariance: placement.widened(&measurement.covariance, &ellipsoid),
+        ellipsoid,
         probability: measurement.probability.combined(),
         support: measurement.support.map(|plane| plane.transformed(base_from_camera)),
         usual_m,
@@ -298,23 +320,33 @@ fn in_base(
     }
 }
 
-fn wall_in_base(wall: &WallSegment, base_from_camera: &Pose) -> WallSighting {
+fn wall_in_base(
+    wall: &WallSegment,
+    (base_from_camera, placement): (&Pose, &Placement),
+) -> WallSighting {
+    let (center, normal) = (base_from_camera * wall.center, base_from_camera * wall.normal);
+    let displaced_m = normal.dot(&(placement.displacement(&center) * normal)).sqrt();
+    let heading_sigma = wall.heading_sigma.hypot(placement.heading_sigma());
     WallSighting {
-        center: base_from_camera * wall.center,
-        normal: base_from_camera * wall.normal,
+        center,
+        normal,
         half_length_m: wall.half_length_m,
-        sigmas: [wall.heading_sigma, wall.distance_sigma_m],
+        sigmas: [heading_sigma, wall.distance_sigma_m.hypot(displaced_m)],
     }
 }
 
-fn glimpsed(glimpse: &Glimpse, base_from_camera: &Pose) -> Measured {
+fn glimpsed(glimpse: &Glimpse, (base_from_camera, placement): (&Pose, &Placement)) -> Measured {
+    let ellipsoid = glimpse.ellipsoid.transformed(base_from_camera);
     Measured {
-        ellipsoid: glimpse.ellipsoid.transformed(base_from_camera),
-        covariance: glimpse.covariance,
+        covariance: placement.widened(&glimpse.covariance, &ellipsoid),
+        ellipsoid,
         probability: 0.0,
         support: glimpse.floor.map(|plane| plane.transformed(base_from_camera)),
         usual_m: None,
-        glimpse: Some(Hints { depth_covariance: glimpse.depth_covariance, usual: glimpse.usual }),
+        glimpse: Some(Hints {
+            depth_covariance: placement.widened(&glimpse.depth_covariance, &ellipsoid),
+            usual: glimpse.usual,
+        }),
     }
 }
 
@@ -322,9 +354,9 @@ fn glimpsed(glimpse: &Glimpse, base_from_camera: &Pose) -> Measured {
 /// are seen to be the silhouette.
 fn observed_box(
     detection: &Detection,
-    measured: Option<&EllipsoidMeasurement>,
-    glimpse: Option<&Glimpse>,
-    (camera, base_from_camera): (&Camera, &Pose),
+    (measured, glimpse): (Option<&EllipsoidMeasurement>, Option<&Glimpse>),
+    camera: &Camera,
+    (base_from_camera, placement): (&Pose, &Placement),
     settings: &SlamSettings,
 ) -> ObservedBox {
     let round = measured.filter(|m| settings.silhouettes && m.outline.is_round());
@@ -343,6 +375,7 @@ fn observed_box(
         (camera.ray(x_max, v).x, inside(x_max, right), fx),
         (camera.ray(u, y_max).y, inside(y_max, bottom), fy),
     ];
+    let turned = placement.direction_sigmas();
     let sides = std::array::from_fn(|side| {
         let (at, is_inside, focal) = places[side];
         let sigma_px = match glimpse {
@@ -351,7 +384,9 @@ fn observed_box(
             }
             _ => used[side].then(|| usual(side)),
         };
-        sigma_px.filter(|_| is_inside).map(|px| BoxSide { at, sigma: px / focal })
+        sigma_px
+            .filter(|_| is_inside)
+            .map(|px| BoxSide { at, sigma: turned[side % 2].hypot(px / focal) })
     });
     ObservedBox { base_from_camera: *base_from_camera, sides }
 }

@@ -9,7 +9,12 @@ use super::{
     history::{History, Jump, Outside, is_long_before},
     transforms::{MAX_FRAMES, TransformError, Transforms},
 };
-use crate::{geometry::Pose, perception::Detection, time::Stamp};
+use crate::{
+    geometry::{Pose, local},
+    perception::Detection,
+    time::Stamp,
+};
+use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -27,6 +32,8 @@ pub struct SyncSettings {
     pub odom_frame: String,
     /// Base frame, used likewise; empty: the camera's own.
     pub base_frame: String,
+    /// How far the stamps of images and odometry usually are off from each other: one standard deviation (s).
+    pub stamp_sigma_s: f64,
 }
 
 impl Default for SyncSettings {
@@ -37,6 +44,7 @@ impl Default for SyncSettings {
             max_waiting: 40,
             odom_frame: "odom".into(),
             base_frame: "base_link".into(),
+            stamp_sigma_s: 0.02,
         }
     }
 }
@@ -51,6 +59,8 @@ pub(super) struct Moment {
     /// The depth camera and `color_from_depth`, where depth has to be registered.
     pub(super) registration: Option<(CameraMessage, Pose)>,
     pub(super) odom_from_base: Pose,
+    /// `[rotation, translation]` a second, in the base's own frame, just before the image.
+    pub(super) velocity: Vector6<f64>,
     /// Of the odometry's reading nearest in time, where it came with one.
     pub(super) odometry_covariance: Option<Box<[f64; 36]>>,
     pub(super) base_from_camera: Pose,
@@ -78,6 +88,8 @@ pub(super) struct Sync {
     odometry: Option<Odometry>,
     transforms: Transforms,
     newest: Option<Stamp>,
+    /// What is added to an image's stamp before odometry is asked (s).
+    stamp_offset_s: f64,
 }
 
 #[derive(Debug)]
@@ -99,6 +111,8 @@ impl Odometry {
 
 /// Pixels of all depth images that wait: thirty of 1920 x 1080, which are 250 MB.
 const MAX_WAITING_PIXELS: usize = 1 << 26;
+/// Velocities are means over this time: a reading or two of slow odometry (s).
+const VELOCITY_OVER_S: f64 = 0.1;
 /// Covariances kept: ten seconds at 100 Hz, as long as an image may wait for its boxes.
 const MAX_COVARIANCES: usize = 1000;
 
@@ -113,7 +127,13 @@ impl Sync {
             odometry: None,
             transforms: Transforms::default(),
             newest: None,
+            stamp_offset_s: 0.0,
         }
+    }
+
+    /// From the next image on, this is added to its stamp before odometry is asked (s).
+    pub(super) fn shift_odometry(&mut self, seconds: f64) {
+        self.stamp_offset_s = seconds;
     }
 
     pub(super) fn change_settings(&mut self, settings: SyncSettings) {
@@ -223,7 +243,7 @@ impl Sync {
             if boxes == Boxes::Wait {
                 return None;
             }
-            match self.poses_at(stamp) {
+            match self.poses_at(stamp, give_up) {
                 Err(Unknown { early: true, .. }) if !give_up => return None,
                 Err(unknown) => {
                     self.depth.pop_front();
@@ -240,6 +260,7 @@ impl Sync {
                         color: poses.color,
                         registration: poses.registration,
                         odom_from_base: poses.odom_from_base,
+                        velocity: poses.velocity,
                         odometry_covariance: poses.odometry_covariance,
                         base_from_camera: poses.base_from_camera,
                     });
@@ -318,28 +339,44 @@ impl Sync {
         }
     }
 
-    fn poses_at(&self, stamp: Stamp) -> Result<Poses, Unknown> {
+    fn poses_at(&self, stamp: Stamp, give_up: bool) -> Result<Poses, Unknown> {
         let Some(color) = self.color.clone() else {
             return Err(Unknown::later("no_camera_info", "no camera info came".into()));
         };
         let registration = self.registration(&color, stamp)?;
-        let (odom_from_base, base) = match &self.odometry {
-            Some(odometry) => {
-                let pose = odometry.history.at(stamp).map_err(|outside| Unknown {
-                    early: outside == Outside::After,
-                    reason: "no_odometry",
-                    why: format!("the odometry does not cover the depth image at {stamp}"),
-                })?;
-                (pose, odometry.child_frame_id.as_str())
-            }
-            None => {
-                let base = self.base_frame();
-                (self.lookup(&self.settings.odom_frame, base, stamp)?, base)
-            }
+        let base = match &self.odometry {
+            Some(odometry) => odometry.child_frame_id.as_str(),
+            None => self.base_frame(),
         };
+        let (at, odom_from_base) = match self.odom_from_base(stamp.shifted(self.stamp_offset_s)) {
+            // At either end of a recording odometry covers the stamp, but not what is a few milliseconds beside it.
+            Err(unknown) if !unknown.early || give_up => (stamp, self.odom_from_base(stamp)?),
+            pose => (stamp.shifted(self.stamp_offset_s), pose?),
+        };
+        let before = self.odom_from_base(at.shifted(-VELOCITY_OVER_S));
+        let velocity = before
+            .map_or(Vector6::zeros(), |before| local(&before, &odom_from_base) / VELOCITY_OVER_S);
         let base_from_camera = self.lookup(base, &color.frame_id, stamp)?;
         let odometry_covariance = self.odometry.as_ref().and_then(|o| o.covariance_at(stamp));
-        Ok(Poses { color, registration, odom_from_base, odometry_covariance, base_from_camera })
+        Ok(Poses {
+            color,
+            registration,
+            odom_from_base,
+            velocity,
+            odometry_covariance,
+            base_from_camera,
+        })
+    }
+
+    fn odom_from_base(&self, at: Stamp) -> Result<Pose, Unknown> {
+        let Some(odometry) = &self.odometry else {
+            return self.lookup(&self.settings.odom_frame, self.base_frame(), at);
+        };
+        odometry.history.at(at).map_err(|outside| Unknown {
+            early: outside == Outside::After,
+            reason: "no_odometry",
+            why: format!("the odometry does not cover the depth image at {at}"),
+        })
     }
 
     /// The depth camera and `color_from_depth`, where the oldest depth image has to be registered: in another frame, or in colour's
@@ -412,6 +449,7 @@ struct Poses {
     color: CameraMessage,
     registration: Option<(CameraMessage, Pose)>,
     odom_from_base: Pose,
+    velocity: Vector6<f64>,
     odometry_covariance: Option<Box<[f64; 36]>>,
     base_from_camera: Pose,
 }

@@ -9,9 +9,12 @@ use super::{
     topic::send,
     transport::{Graph, Publisher},
 };
-use crate::msg::{
-    convert::header,
-    diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
+use crate::{
+    msg::{
+        convert::header,
+        diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
+    },
+    pipeline::Calibration,
 };
 use std::{
     collections::BTreeMap,
@@ -79,6 +82,13 @@ impl Diagnostics {
         }
         let overflow = self.inbox.dropped();
         let status = self.status.lock();
+        found.extend(
+            status
+                .calibration
+                .sentences()
+                .into_iter()
+                .map(|what| Problem::new("calibration", "", what)),
+        );
         for input in self.listening.iter().filter(|input| input.needed) {
             let topic = &input.topic;
             if found.iter().any(|problem| problem.what.contains(topic)) {
@@ -173,6 +183,12 @@ fn mapping(status: &Status, overflow: Overflow) -> Vec<(String, String)> {
     .into_iter()
     .map(|(key, value)| (key.to_owned(), value))
     .collect::<Vec<_>>();
+    let Calibration { roll_rad, pitch_rad, stamp_offset_s, .. } = status.calibration;
+    values.extend([
+        ("camera lower than TF".into(), format!("{:.1} deg", pitch_rad.to_degrees())),
+        ("camera leaning to the right of TF".into(), format!("{:.1} deg", roll_rad.to_degrees())),
+        ("odometry later than images".into(), format!("{:.0} ms", 1e3 * stamp_offset_s)),
+    ]);
     let unrecognised = status.unrecognised.iter();
     values.extend(
         unrecognised.map(|why| ("loaded map".into(), format!("not recognised yet: {why}"))),

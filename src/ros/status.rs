@@ -2,7 +2,7 @@
 
 use crate::{
     msg::{SkipCount, Skipped, convert::ConvertError},
-    pipeline::{ObjectSlam, Update},
+    pipeline::{Calibration, ObjectSlam, Update},
     time::Stamp,
 };
 use std::{
@@ -30,6 +30,8 @@ pub(super) struct Status {
     pub(super) frames: u64,
     /// Objects in the map.
     pub(super) objects: usize,
+    /// What was learnt of the camera's mount and of the clocks.
+    pub(super) calibration: Calibration,
     /// Why the place in the loaded map is not recognised yet.
     pub(super) unrecognised: Option<String>,
     /// How long the worker took for the latest keyframe, and the longest since it was asked for.
@@ -96,7 +98,8 @@ impl Shared {
         }
         status.frames += update.poses.len() as u64;
         status.keyframes += update.keyframes.len() as u64;
-        if !update.keyframes.is_empty() {
+        if let Some(keyframe) = update.keyframes.last() {
+            status.calibration = keyframe.calibration;
             status.keyframe_time = took;
             status.longest_keyframe = status.longest_keyframe.max(took);
         }

@@ -116,6 +116,10 @@ pub struct MountSettings {
     pub hand_sway_m: f64,
     /// A hand that holds the camera on an orbit tilts so much (rad); with more than 0 the base is not planar.
     pub hand_sway_rad: f64,
+    /// How far the camera leans to the right of where TF has it (rad).
+    pub tf_roll_error_rad: f64,
+    /// How much lower the camera looks than TF says (rad).
+    pub tf_pitch_error_rad: f64,
 }
 
 impl Default for MountSettings {
@@ -126,6 +130,8 @@ impl Default for MountSettings {
             orbit_height_m: 1.5,
             hand_sway_m: 0.0,
             hand_sway_rad: 0.0,
+            tf_roll_error_rad: 0.0,
+            tf_pitch_error_rad: 0.0,
         }
     }
 }
@@ -243,6 +249,8 @@ pub struct OdometrySettings {
     /// Odometry starts at zero wherever the robot is, as it does on a robot that was switched on; otherwise at the
     /// true pose, so that `odom` and the world agree at the first frame.
     pub starts_at_zero: bool,
+    /// Its stamps are so much later than the moments they belong to (s).
+    pub stamped_late_s: f64,
 }
 
 impl Default for OdometrySettings {
@@ -256,6 +264,7 @@ impl Default for OdometrySettings {
             yaw_bias_rad_per_m: 0.0,
             claimed_covariance_factor: 1.0,
             starts_at_zero: false,
+            stamped_late_s: 0.0,
         }
     }
 }
@@ -277,6 +286,8 @@ impl SimulationSettings {
     pub fn perfect(mut self) -> Self {
         self.mount.hand_sway_m = 0.0;
         self.mount.hand_sway_rad = 0.0;
+        self.mount.tf_roll_error_rad = 0.0;
+        self.mount.tf_pitch_error_rad = 0.0;
         self.depth = DepthSettings {
             sigma_m: 0.0,
             sigma_growth_per_m: 0.0,
@@ -309,6 +320,7 @@ impl SimulationSettings {
             scale_bias: 0.0,
             yaw_bias_rad_per_m: 0.0,
             claimed_covariance_factor: 1.0,
+            stamped_late_s: 0.0,
             ..self.odometry
         };
         self
@@ -365,10 +377,13 @@ impl SimulationSettings {
             ("start_time_s", self.start_time_s),
             ("moved_by_m", self.moved_by_m),
             ("mount.robot_pitch_down_rad", self.mount.robot_pitch_down_rad),
+            ("mount.tf_roll_error_rad", self.mount.tf_roll_error_rad),
+            ("mount.tf_pitch_error_rad", self.mount.tf_pitch_error_rad),
             ("depth.grazing_from_rad", depth.grazing_from_rad),
             ("depth.grazing_to_rad", depth.grazing_to_rad),
             ("odometry.scale_bias", odometry.scale_bias),
             ("odometry.yaw_bias_rad_per_m", odometry.yaw_bias_rad_per_m),
+            ("odometry.stamped_late_s", odometry.stamped_late_s),
         ];
         refuse(&probabilities, "between 0 and 1", |x| (0.0..=1.0).contains(&x))?;
         refuse(&levels, "a number that is not negative", |x| x >= 0.0 && x.is_finite())?;

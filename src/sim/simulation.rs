@@ -168,7 +168,7 @@ impl Simulation {
         &self.camera
     }
 
-    /// The static transform of the camera's optical frame.
+    /// The static transform of the camera's optical frame, as TF has it.
     pub fn base_from_optical(&self) -> &Pose {
         &self.trajectory.base_from_optical
     }
@@ -211,7 +211,7 @@ impl Simulation {
     /// When `index` is not below [`Simulation::frame_count`].
     pub fn frame(&self, index: usize) -> SimulatedFrame {
         let world_from_base = self.trajectory.world_from_base[index];
-        let world_from_camera = world_from_base * self.trajectory.base_from_optical;
+        let world_from_camera = world_from_base * self.trajectory.true_base_from_optical;
         let moved = self.moved.as_ref().filter(|moved| index >= moved.from_frame);
         let renderer = moved.map_or(&self.renderer, |moved| &moved.renderer);
         let exact = renderer.render(&self.camera, &world_from_camera);

@@ -16,8 +16,10 @@ use std::f64::consts::TAU;
 pub(super) struct Trajectory {
     /// `world_from_base`; the base's x axis points ahead and z up.
     pub(super) world_from_base: Vec<Pose>,
-    /// The static transform of the camera's optical frame.
+    /// The static transform of the camera's optical frame, as TF has it.
     pub(super) base_from_optical: Pose,
+    /// Where the camera is.
+    pub(super) true_base_from_optical: Pose,
 }
 
 const ORBIT_FRAMES: usize = 36;
@@ -34,25 +36,25 @@ impl Trajectory {
         let mut random = Random::new(settings.visit_seed(), Purpose::Trajectory, 0);
         let mount = &settings.mount;
         let robot = base_from_optical(mount.robot_height_m, mount.robot_pitch_down_rad);
-        match settings.trajectory {
+        let (world_from_base, base_from_optical) = match settings.trajectory {
             TrajectoryKind::Orbit => {
                 let above = mount.orbit_height_m - routes.orbit_center.z;
                 let pitch_down = above.atan2(routes.orbit_radius);
                 let frames = if settings.frames == 0 { ORBIT_FRAMES } else { settings.frames };
-                Self {
-                    world_from_base: orbit(&mut random, routes, mount, frames),
-                    base_from_optical: base_from_optical(mount.orbit_height_m, pitch_down),
-                }
+                let camera = base_from_optical(mount.orbit_height_m, pitch_down);
+                (orbit(&mut random, routes, mount, frames), camera)
             }
-            TrajectoryKind::Forward => Self {
-                world_from_base: drive(&mut random, &routes.forward, false, settings.frames),
-                base_from_optical: robot,
-            },
-            TrajectoryKind::Loop => Self {
-                world_from_base: drive(&mut random, &routes.round, true, settings.frames),
-                base_from_optical: robot,
-            },
-        }
+            TrajectoryKind::Forward => {
+                (drive(&mut random, &routes.forward, false, settings.frames), robot)
+            }
+            TrajectoryKind::Loop => {
+                (drive(&mut random, &routes.round, true, settings.frames), robot)
+            }
+        };
+        let error = Vector3::new(mount.tf_roll_error_rad, mount.tf_pitch_error_rad, 0.0);
+        let rotation = UnitQuaternion::from_scaled_axis(error) * base_from_optical.rotation;
+        let true_base_from_optical = Isometry3::from_parts(base_from_optical.translation, rotation);
+        Self { world_from_base, base_from_optical, true_base_from_optical }
     }
 }
 

@@ -93,10 +93,24 @@ fn what_cannot_be_right_is_told_apart() {
     // Half a metre: a millimetre or two for each is what a good odometry has.
     assert_eq!(growing([1e-5, 1e-5, 1e-5]).1, StepSource::Odometry);
     assert_eq!(growing([1e-12, 1e-12, 1e-5]).1, not(NotOdometry::TooSmall));
-    assert_eq!(growing([1e-5, 1e-5, 1e-12]).1, StepSource::Odometry, "with the floor");
+    assert_eq!(growing([1e-5, 1e-5, 1e-12]).1, not(NotOdometry::TooSmall));
     // 0.3 rad for every metre.
     assert_eq!(growing([1e-5, 1e-5, 0.15 * 0.15]).1, not(NotOdometry::TooLarge));
     assert_eq!(growing([0.5, 1e-5, 1e-5]).1, not(NotOdometry::TooLarge));
+}
+
+#[test]
+fn a_covariance_that_never_changes_is_not_believed_in_turns_on_the_spot() {
+    let model = MotionModel::default();
+    let constant = diagonal([1e-3, 1e-3, 1e6, 1e6, 1e6, 0.03]);
+    for turn in [0.1, 0.3, 0.5] {
+        let turned = Pose::rotation(Vector3::z() * turn);
+        let claims = ((&Pose::identity(), Some(&constant)), (&turned, Some(&constant)));
+        let (got, source) = step_covariance(claims.0, claims.1, &model);
+        assert_ne!(source, StepSource::Odometry, "{turn} rad");
+        // The floors alone are a tenth of a degree.
+        assert!(got[(2, 2)].sqrt() > 0.03 * turn, "{turn} rad: {}", got[(2, 2)].sqrt());
+    }
 }
 
 #[test]
