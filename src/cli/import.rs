@@ -3,14 +3,16 @@
 use super::{
     Outcome,
     eval::read_ground_truth,
-    recording::{CAMERA_FRAME, ODOM_FRAME, Recording, refuse_existing, truth_path, write_truth},
+    recording::{
+        CAMERA_FRAME, Names, ODOM_FRAME, Recording, refuse_existing, truth_path, write_truth,
+    },
 };
 use crate::{
     eval::GroundTruth,
     geometry::Pose,
     io::{TumFolder, TumFrame, TumOptions},
     msg::convert::png_depth,
-    pipeline::{DepthMessage, DetectionsMessage, OdometryMessage},
+    pipeline::{CameraRole, DepthMessage, DetectionsMessage, OdometryMessage},
     time::Stamp,
 };
 use anyhow::Context;
@@ -58,7 +60,7 @@ pub(super) fn run(args: &Args) -> Outcome {
     refuse_existing(&[&args.output, &truth_path(&args.output)], args.force)?;
     let options = TumOptions { camera: args.camera.clone(), odometry: args.odometry.clone() };
     let folder = TumFolder::open(&args.folder, &options)?;
-    let mut bag = Recording::create(&args.output)?;
+    let mut bag = Recording::create(&args.output, Names::default())?;
     let messages = chronological(&folder);
     if let (Some(truth), Some((stamp, _))) = (&truth, messages.first()) {
         bag.true_objects(*stamp, truth)?;
@@ -135,7 +137,7 @@ fn write(
         })?,
         Part::Truth(pose) => bag.true_pose(stamp, CAMERA_FRAME, pose)?,
         Part::Color(frame) => {
-            bag.camera(stamp, &folder.camera)?;
+            bag.camera(stamp, CameraRole::Color, &folder.camera)?;
             bag.compressed_color(stamp, color_format(&frame.color)?, read(&frame.color)?)?;
         }
         Part::Depth(frame) => {

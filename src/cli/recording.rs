@@ -8,7 +8,7 @@ use crate::{
     msg::{
         convert::{
             boxes_3d, camera_info, compressed_depth_message, depth_image_message, detection_array,
-            header, odometry_message, tf_message,
+            header, odometry_message, tf_message, yolo_detection_array,
         },
         sensor_msgs::{CompressedImage, Image},
     },
@@ -16,6 +16,7 @@ use crate::{
         CameraMessage, CameraRole, DepthMessage, DetectionsMessage, OdometryMessage,
         StampedTransform,
     },
+    sim::RobotKind,
     time::Stamp,
 };
 use anyhow::Context;
@@ -25,20 +26,74 @@ pub(super) const CAMERA_FRAME: &str = "camera_color_optical_frame";
 pub(super) const ODOM_FRAME: &str = "odom";
 pub(super) const BASE_FRAME: &str = "base_link";
 
-const COLOR: &str = "/camera/color/image_raw";
-const COMPRESSED_COLOR: &str = "/camera/color/image_raw/compressed";
-const CAMERA_INFO: &str = "/camera/color/camera_info";
-const DEPTH: &str = "/camera/aligned_depth_to_color/image_raw";
-const COMPRESSED_DEPTH: &str = "/camera/aligned_depth_to_color/image_raw/compressedDepth";
 const ODOMETRY: &str = "/odom";
 pub(super) const DETECTIONS: &str = "/detections";
 const TRUE_ODOMETRY: &str = "/ground_truth/odom";
 const TRUE_OBJECTS: &str = "/ground_truth/objects";
 const TRUE_DETECTIONS: &str = "/ground_truth/detections";
 
+/// How a robot calls what its camera and its detector send.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Names {
+    pub(super) camera_frame: &'static str,
+    color: &'static str,
+    camera_info: &'static str,
+    depth: &'static str,
+    depth_camera_info: &'static str,
+    detections: &'static str,
+    /// Whether boxes are `yolo_msgs` and not `vision_msgs`.
+    is_yolo: bool,
+}
+
+impl Default for Names {
+    fn default() -> Self {
+        Self {
+            camera_frame: CAMERA_FRAME,
+            color: "/camera/color/image_raw",
+            camera_info: "/camera/color/camera_info",
+            depth: "/camera/aligned_depth_to_color/image_raw",
+            depth_camera_info: "/camera/aligned_depth_to_color/camera_info",
+            detections: DETECTIONS,
+            is_yolo: false,
+        }
+    }
+}
+
+impl From<RobotKind> for Names {
+    fn from(robot: RobotKind) -> Self {
+        match robot {
+            RobotKind::Turtlebot4 => Self {
+                camera_frame: "oakd_rgb_camera_optical_frame",
+                color: "/oakd/rgb/preview/image_raw",
+                camera_info: "/oakd/rgb/preview/camera_info",
+                depth: "/oakd/stereo/image_raw",
+                depth_camera_info: "/oakd/stereo/camera_info",
+                detections: "/yolo/detections",
+                is_yolo: true,
+            },
+            RobotKind::Realsense => Self {
+                color: "/camera/camera/color/image_raw",
+                camera_info: "/camera/camera/color/camera_info",
+                depth: "/camera/camera/aligned_depth_to_color/image_raw",
+                depth_camera_info: "/camera/camera/aligned_depth_to_color/camera_info",
+                ..Self::default()
+            },
+            RobotKind::Kinect => Self {
+                camera_frame: "camera_rgb_optical_frame",
+                color: "/camera/rgb/image_rect_color",
+                camera_info: "/camera/rgb/camera_info",
+                depth: "/camera/depth_registered/image_rect",
+                depth_camera_info: "/camera/depth_registered/camera_info",
+                ..Self::default()
+            },
+        }
+    }
+}
+
 /// A bag that is being written.
 pub(super) struct Recording {
     bag: BagWriter,
+    names: Names,
 }
 
 /// Where the true objects of a bag are written: `STEM.gt.json` beside it.
@@ -66,8 +121,8 @@ pub(super) fn write_truth(bag: &Path, truth: &GroundTruth) -> anyhow::Result<()>
 
 impl Recording {
     /// A new bag; an existing file stays until this one is finished.
-    pub(super) fn create(path: &Path) -> Result<Self, BagError> {
-        Ok(Self { bag: BagWriter::create(path)? })
+    pub(super) fn create(path: &Path, names: Names) -> Result<Self, BagError> {
+        Ok(Self { bag: BagWriter::create(path)?, names })
     }
 
     /// Completes the bag and gives it its name.
@@ -123,15 +178,19 @@ impl Recording {
         self.bag.write(TRUE_OBJECTS, &boxes_3d(boxes, stamp, &truth.frame_id), stamp)
     }
 
-    /// Calibration of the camera, in whose image the boxes are.
-    pub(super) fn camera(&mut self, stamp: Stamp, camera: &Camera) -> Result<(), BagError> {
-        let info = CameraMessage {
-            role: CameraRole::Color,
-            stamp,
-            frame_id: CAMERA_FRAME.into(),
-            camera: camera.clone(),
+    /// Calibration of the colour camera, in whose image the boxes are, or of the depth camera.
+    pub(super) fn camera(
+        &mut self,
+        stamp: Stamp,
+        role: CameraRole,
+        camera: &Camera,
+    ) -> Result<(), BagError> {
+        let topic = match role {
+            CameraRole::Color => self.names.camera_info,
+            CameraRole::Depth => self.names.depth_camera_info,
         };
-        self.bag.write(CAMERA_INFO, &camera_info(&info), stamp)
+        let (frame_id, camera) = (self.names.camera_frame.into(), camera.clone());
+        self.bag.write(topic, &camera_info(&CameraMessage { role, stamp, frame_id, camera }), stamp)
     }
 
     /// A colour image in a file format, which is `jpeg` or `png`.
@@ -142,11 +201,11 @@ impl Recording {
         file: Vec<u8>,
     ) -> Result<(), BagError> {
         let image = CompressedImage {
-            header: header(stamp, CAMERA_FRAME),
+            header: header(stamp, self.names.camera_frame),
             format: format!("rgb8; {format} compressed bgr8"),
             data: file,
         };
-        self.bag.write(COMPRESSED_COLOR, &image, stamp)
+        self.bag.write(&format!("{}/compressed", self.names.color), &image, stamp)
     }
 
     /// A colour image of `size` = width, height, as it is.
@@ -157,7 +216,7 @@ impl Recording {
         rgb: Vec<u8>,
     ) -> Result<(), BagError> {
         let image = Image {
-            header: header(stamp, CAMERA_FRAME),
+            header: header(stamp, self.names.camera_frame),
             height,
             width,
             encoding: "rgb8".into(),
@@ -165,15 +224,16 @@ impl Recording {
             step: 3 * width,
             data: rgb,
         };
-        self.bag.write(COLOR, &image, stamp)
+        self.bag.write(self.names.color, &image, stamp)
     }
 
-    /// A depth image that is registered to the colour camera.
+    /// A depth image in the colour camera's frame.
     pub(super) fn depth(&mut self, depth: &DepthMessage, raw: bool) -> anyhow::Result<()> {
         if raw {
-            self.bag.write(DEPTH, &depth_image_message(depth), depth.stamp)?;
+            self.bag.write(self.names.depth, &depth_image_message(depth), depth.stamp)?;
         } else {
-            self.bag.write(COMPRESSED_DEPTH, &compressed_depth_message(depth)?, depth.stamp)?;
+            let topic = format!("{}/compressedDepth", self.names.depth);
+            self.bag.write(&topic, &compressed_depth_message(depth)?, depth.stamp)?;
         }
         Ok(())
     }
@@ -186,7 +246,11 @@ impl Recording {
         arrival: Stamp,
     ) -> Result<(), BagError> {
         let mut boxes = detection_array(message);
-        self.bag.write(DETECTIONS, &boxes, arrival)?;
+        if self.names.is_yolo {
+            self.bag.write(self.names.detections, &yolo_detection_array(message), arrival)?;
+        } else {
+            self.bag.write(self.names.detections, &boxes, arrival)?;
+        }
         for (detection, id) in boxes.detections.iter_mut().zip(true_ids) {
             detection.id = id;
         }

@@ -3,10 +3,10 @@
 use super::{
     Failure, Outcome,
     recording::{
-        BASE_FRAME, CAMERA_FRAME, ODOM_FRAME, Recording, refuse_existing, truth_path, write_truth,
+        BASE_FRAME, Names, ODOM_FRAME, Recording, refuse_existing, truth_path, write_truth,
     },
     results::MAP_FRAME,
-    simulate_settings::{self, SceneName, TrajectoryName},
+    simulate_settings::{self, RobotName, SceneName, SensorName, TrajectoryName},
 };
 use crate::{
     eval::{self, TrueObject},
@@ -14,8 +14,8 @@ use crate::{
     io::{trajectory_text, write_atomically},
     msg::convert::{RgbImage, jpeg},
     perception::{DepthImage, Detection},
-    pipeline::{DepthMessage, DetectionsMessage, OdometryMessage, StampedTransform},
-    sim::{GroundTruth, OdometryReading, SimulatedFrame, Simulation},
+    pipeline::{CameraRole, DepthMessage, DetectionsMessage, OdometryMessage, StampedTransform},
+    sim::{GroundTruth, OdometryReading, RobotKind, SimulatedFrame, Simulation},
     time::Stamp,
 };
 use anyhow::Context;
@@ -32,6 +32,12 @@ pub(super) struct Args {
     /// How the camera moves.
     #[arg(long, value_enum, required_unless_present_any = ["settings", "print_settings"])]
     pub(super) trajectory: Option<TrajectoryName>,
+    /// A robot: its topics and frames, its camera and where that is mounted.
+    #[arg(long, value_enum)]
+    pub(super) robot: Option<RobotName>,
+    /// A depth camera, in place of the robot's.
+    #[arg(long, value_enum)]
+    pub(super) sensor: Option<SensorName>,
     /// Draws poses, sizes and clutter, and all noise [default: 1].
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
@@ -87,8 +93,9 @@ pub(super) fn run(args: &Args) -> Outcome {
     };
     let poses_path = output.with_extension("gt.tum");
     refuse_existing(&[output, &truth_path(output), &poses_path], args.force)?;
-    let mut bag = Recording::create(output)?;
-    let written = write(&mut bag, &simulation, &args.images)?;
+    let names = args.robot.map_or_else(Names::default, |robot| RobotKind::from(robot).into());
+    let mut bag = Recording::create(output, names)?;
+    let written = write(&mut bag, &simulation, (&args.images, names.camera_frame))?;
     bag.finish()?;
     write_truth(output, &written.truth)?;
     let poses = simulation.world_from_base().iter().enumerate();
@@ -113,12 +120,17 @@ struct Written {
     boxes: usize,
 }
 
-fn write(bag: &mut Recording, simulation: &Simulation, images: &Images) -> anyhow::Result<Written> {
+fn write(
+    bag: &mut Recording,
+    simulation: &Simulation,
+    images: (&Images, &str),
+) -> anyhow::Result<Written> {
+    let camera_frame = images.1;
     let start = simulation.stamp(0);
     bag.static_transform(&StampedTransform {
         stamp: start,
         frame_id: BASE_FRAME.into(),
-        child_frame_id: CAMERA_FRAME.into(),
+        child_frame_id: camera_frame.into(),
         parent_from_child: *simulation.base_from_optical(),
     })?;
     let mut truth = simulation.ground_truth();
@@ -131,7 +143,7 @@ fn write(bag: &mut Recording, simulation: &Simulation, images: &Images) -> anyho
         boxes += frame.detections.len();
         let reading = (frame.stamp, frame.odometry.clone());
         for (stamp, between) in readings_since(previous.as_ref(), &reading) {
-            write_due_boxes(bag, &mut late, stamp)?;
+            write_due_boxes(bag, (&mut late, camera_frame), stamp)?;
             let stamped = stamp.shifted(simulation.settings().odometry.stamped_late_s);
             bag.odometry(&odometry(stamped, &between))?;
         }
@@ -140,7 +152,7 @@ fn write(bag: &mut Recording, simulation: &Simulation, images: &Images) -> anyho
         late.push(write_images(bag, simulation, images, frame)?);
         progress.inc(1);
     }
-    write_due_boxes(bag, &mut late, Stamp::from_nanos(i64::MAX))?;
+    write_due_boxes(bag, (&mut late, camera_frame), Stamp::from_nanos(i64::MAX))?;
     progress.finish_and_clear();
     Ok(Written { truth: true_objects(&truth), boxes })
 }
@@ -185,12 +197,12 @@ fn odometry(stamp: Stamp, reading: &OdometryReading) -> OdometryMessage {
 fn write_images(
     bag: &mut Recording,
     simulation: &Simulation,
-    images: &Images,
+    (images, camera_frame): (&Images, &str),
     mut frame: SimulatedFrame,
 ) -> anyhow::Result<SimulatedFrame> {
     let camera = simulation.camera();
     let size = (camera.width(), camera.height());
-    bag.camera(frame.stamp, camera)?;
+    bag.camera(frame.stamp, CameraRole::Color, camera)?;
     let rgb = std::mem::take(&mut frame.rgb);
     if images.raw && !images.no_color {
         bag.raw_color(frame.stamp, size, rgb)?;
@@ -199,8 +211,12 @@ fn write_images(
         bag.compressed_color(frame.stamp, "jpeg", jpeg(&image, images.jpeg_quality)?)?;
     }
     let depth_m = std::mem::take(&mut frame.depth_m);
-    let image = DepthImage::new(size.0, size.1, depth_m)?;
-    let depth = DepthMessage { stamp: frame.stamp, frame_id: CAMERA_FRAME.into(), image };
+    let depth_camera = simulation.depth_camera();
+    if depth_camera != camera {
+        bag.camera(frame.stamp, CameraRole::Depth, depth_camera)?;
+    }
+    let image = DepthImage::new(depth_camera.width(), depth_camera.height(), depth_m)?;
+    let depth = DepthMessage { stamp: frame.stamp, frame_id: camera_frame.into(), image };
     bag.depth(&depth, images.raw)?;
     frame.instances.clear();
     Ok(frame)
@@ -209,7 +225,7 @@ fn write_images(
 /// Writes the boxes that have come by `now`, in the order of their arrival.
 fn write_due_boxes(
     bag: &mut Recording,
-    late: &mut Vec<SimulatedFrame>,
+    (late, camera_frame): (&mut Vec<SimulatedFrame>, &str),
     now: Stamp,
 ) -> anyhow::Result<()> {
     late.sort_by_key(|frame| frame.detections_arrive);
@@ -221,7 +237,7 @@ fn write_due_boxes(
         });
         let message = DetectionsMessage {
             stamp: frame.stamp,
-            frame_id: CAMERA_FRAME.into(),
+            frame_id: camera_frame.into(),
             detections: detections.collect::<Result<_, _>>()?,
         };
         let ids = frame.detections.iter().map(|d| d.object.map_or(-1, i64::from).to_string());

@@ -1,7 +1,7 @@
 //! What `simulate` is to simulate, from a file, flags and single assignments.
 
 use super::{Failure, simulate::Args};
-use crate::sim::{SceneKind, SimulationSettings, TrajectoryKind};
+use crate::sim::{RobotKind, SceneKind, SensorKind, SimulationSettings, TrajectoryKind};
 use anyhow::Context;
 use serde_json::Value;
 use std::fs;
@@ -30,6 +30,48 @@ pub(super) enum TrajectoryName {
     Loop,
 }
 
+/// [`RobotKind`] on the command line.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(super) enum RobotName {
+    /// A TurtleBot 4: an OAK-D, level and 0.22 m above the floor.
+    Turtlebot4,
+    /// A base with a RealSense D435 on a mast.
+    Realsense,
+    /// A base with a Kinect.
+    Kinect,
+}
+
+/// [`SensorKind`] on the command line.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(super) enum SensorName {
+    /// A Kinect, with the shadow of its projector.
+    Kinect,
+    /// A RealSense D435.
+    D435,
+    /// An OAK-D.
+    Oakd,
+}
+
+impl From<RobotName> for RobotKind {
+    fn from(name: RobotName) -> Self {
+        match name {
+            RobotName::Turtlebot4 => Self::Turtlebot4,
+            RobotName::Realsense => Self::Realsense,
+            RobotName::Kinect => Self::Kinect,
+        }
+    }
+}
+
+impl From<SensorName> for SensorKind {
+    fn from(name: SensorName) -> Self {
+        match name {
+            SensorName::Kinect => Self::Kinect,
+            SensorName::D435 => Self::D435,
+            SensorName::Oakd => Self::OakD,
+        }
+    }
+}
+
 impl From<SceneName> for SceneKind {
     fn from(name: SceneName) -> Self {
         match name {
@@ -51,7 +93,7 @@ impl From<TrajectoryName> for TrajectoryKind {
     }
 }
 
-/// The file's settings, changed by the flags, then made perfect if asked for, then changed by the assignments.
+/// The file's settings, with a robot and a sensor in place, changed by the flags, then made perfect if asked for, then changed by the assignments.
 pub(super) fn effective(args: &Args) -> Result<SimulationSettings, Failure> {
     let mut settings = SimulationSettings::default();
     if let Some(path) = &args.settings {
@@ -62,6 +104,12 @@ pub(super) fn effective(args: &Args) -> Result<SimulationSettings, Failure> {
             let first = why.lines().next().unwrap_or_default();
             Failure::Usage(format!("{}: {first}", path.display()))
         })?;
+    }
+    if let Some(robot) = args.robot {
+        settings = RobotKind::from(robot).applied(settings);
+    }
+    if let Some(sensor) = args.sensor {
+        settings = SensorKind::from(sensor).applied(settings);
     }
     settings.scene = args.scene.map_or(settings.scene, Into::into);
     settings.trajectory = args.trajectory.map_or(settings.trajectory, Into::into);

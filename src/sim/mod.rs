@@ -13,6 +13,7 @@ mod home_things;
 mod mesh;
 mod odometry;
 mod office_scene;
+mod presets;
 mod random;
 mod render;
 mod scene;
@@ -24,6 +25,7 @@ mod trajectory;
 pub use detector::{SimulatedDetection, Visible, visible_parts};
 pub use mesh::{Color, Mesh};
 pub use odometry::OdometryReading;
+pub use presets::{RobotKind, SensorKind};
 pub use render::{Rendered, Renderer};
 pub use scene::{Scene, SceneObject};
 pub use settings::{

@@ -51,8 +51,10 @@ pub struct SimulationSettings {
     pub frame_rate_hz: f64,
     /// Stamp of the first frame, seconds since the epoch.
     pub start_time_s: f64,
-    /// The camera.
+    /// The colour camera, in whose image the boxes are.
     pub camera: CameraSettings,
+    /// The depth image, in the colour camera's frame, where it has another size.
+    pub depth_camera: Option<CameraSettings>,
     /// How the camera is carried.
     pub mount: MountSettings,
     /// Depth measurement.
@@ -76,6 +78,7 @@ impl Default for SimulationSettings {
             frame_rate_hz: 3.0,
             start_time_s: 1_700_000_000.0,
             camera: CameraSettings::default(),
+            depth_camera: None,
             mount: MountSettings::default(),
             depth: DepthSettings::default(),
             detector: DetectorSettings::default(),
@@ -154,6 +157,16 @@ pub struct DepthSettings {
     pub edge_radius_px: usize,
     /// A jump of more than this fraction of the depth is an edge.
     pub edge_jump_ratio: f64,
+    /// Whether there is none where the second camera, or the projector, at the right does not see.
+    pub shadow: bool,
+    /// Near things grow by this much at their edges: half of the window that is matched (px).
+    pub fattened_px: usize,
+    /// Noise is alike over this much (px); 0 for noise that is each pixel's own.
+    pub correlation_px: usize,
+    /// Readings are too large by this fraction: an error of calibration.
+    pub scale_error: f64,
+    /// Probability that something black has no reading.
+    pub dark_dropout: f64,
     /// Readings start to drop out beyond this angle from the surface normal (rad).
     pub grazing_from_rad: f64,
     /// No readings beyond this angle from the surface normal (rad).
@@ -174,6 +187,11 @@ impl Default for DepthSettings {
             edge_dropout: 0.5,
             edge_radius_px: 2,
             edge_jump_ratio: 0.03,
+            shadow: false,
+            fattened_px: 0,
+            correlation_px: 0,
+            scale_error: 0.0,
+            dark_dropout: 0.0,
             grazing_from_rad: 1.40,
             grazing_to_rad: 1.54,
             min_range_m: 0.4,
@@ -293,6 +311,11 @@ impl SimulationSettings {
             sigma_growth_per_m: 0.0,
             disparity_step_px: 0.0,
             edge_dropout: 0.0,
+            shadow: false,
+            fattened_px: 0,
+            correlation_px: 0,
+            scale_error: 0.0,
+            dark_dropout: 0.0,
             grazing_from_rad: 1.6,
             grazing_to_rad: 1.6,
             min_range_m: 0.0,
@@ -338,6 +361,7 @@ impl SimulationSettings {
         let (depth, detector, odometry) = (&self.depth, &self.detector, &self.odometry);
         let probabilities = [
             ("depth.edge_dropout", depth.edge_dropout),
+            ("depth.dark_dropout", depth.dark_dropout),
             ("detector.miss", detector.miss),
             ("detector.label_flicker", detector.label_flicker),
             ("detector.confidence", detector.confidence),
@@ -384,6 +408,7 @@ impl SimulationSettings {
             ("odometry.scale_bias", odometry.scale_bias),
             ("odometry.yaw_bias_rad_per_m", odometry.yaw_bias_rad_per_m),
             ("odometry.stamped_late_s", odometry.stamped_late_s),
+            ("depth.scale_error", depth.scale_error),
         ];
         refuse(&probabilities, "between 0 and 1", |x| (0.0..=1.0).contains(&x))?;
         refuse(&levels, "a number that is not negative", |x| x >= 0.0 && x.is_finite())?;

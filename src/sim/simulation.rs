@@ -7,7 +7,7 @@ use super::{
     render::{Rendered, Renderer},
     scene::{Scene, SceneObject},
     sensor,
-    settings::{SettingsError, SimulationSettings},
+    settings::{CameraSettings, SettingsError, SimulationSettings},
     trajectory::Trajectory,
 };
 use crate::{
@@ -38,6 +38,7 @@ pub struct Simulation {
     /// After something was moved.
     moved: Option<Moved>,
     camera: Camera,
+    depth_camera: Camera,
     trajectory: Trajectory,
     odometry: Vec<OdometryReading>,
 }
@@ -129,10 +130,9 @@ impl Simulation {
         settings.check()?;
         let scene = Scene::new(settings.scene, settings.seed);
         let trajectory = Trajectory::new(&settings, &scene.routes);
-        let lens = &settings.camera;
-        let principal = (0.5 * (f64::from(lens.width) - 1.0), 0.5 * (f64::from(lens.height) - 1.0));
-        let focal = (lens.focal_px, lens.focal_px);
-        let camera = Camera::new((lens.width, lens.height), focal, principal, Distortion::None)?;
+        let camera = pinhole(&settings.camera)?;
+        let depth_camera =
+            settings.depth_camera.as_ref().map_or_else(|| Ok(camera.clone()), pinhole)?;
         Ok(Self {
             odometry: odometry::readings(
                 &trajectory.world_from_base,
@@ -144,6 +144,7 @@ impl Simulation {
             settings,
             scene,
             camera,
+            depth_camera,
             trajectory,
         })
     }
@@ -163,9 +164,14 @@ impl Simulation {
         &self.scene
     }
 
-    /// The colour and depth camera; both see through the same lens.
+    /// The colour camera, in whose image the boxes are.
     pub fn camera(&self) -> &Camera {
         &self.camera
+    }
+
+    /// The depth camera, in the same place.
+    pub fn depth_camera(&self) -> &Camera {
+        &self.depth_camera
     }
 
     /// The static transform of the camera's optical frame, as TF has it.
@@ -215,7 +221,12 @@ impl Simulation {
         let moved = self.moved.as_ref().filter(|moved| index >= moved.from_frame);
         let renderer = moved.map_or(&self.renderer, |moved| &moved.renderer);
         let exact = renderer.render(&self.camera, &world_from_camera);
-        let depth_m = self.depth_readings(index, &exact);
+        let depth_m = if self.depth_camera == self.camera {
+            self.depth_readings(index, &exact)
+        } else {
+            let exact = renderer.render(&self.depth_camera, &world_from_camera);
+            self.depth_readings(index, &exact)
+        };
         let visible = visible_parts(&exact.instances, self.camera.width() as usize);
         let mut random = Random::new(self.settings.visit_seed(), Purpose::Detector, index as u64);
         let jitter_s = random.between(0.0, self.settings.detector.delay_jitter_s);
@@ -237,7 +248,7 @@ impl Simulation {
 
     fn depth_readings(&self, index: usize, exact: &Rendered) -> Vec<f32> {
         let key = PixelRandom::frame_key(self.settings.visit_seed(), index as u64);
-        let (width, focal_px) = (self.camera.width() as usize, self.camera.focal().0);
+        let (width, focal_px) = (self.depth_camera.width() as usize, self.depth_camera.focal().0);
         sensor::readings(exact, width, focal_px, &self.settings.depth, key)
     }
 
@@ -249,6 +260,12 @@ impl Simulation {
         let size = (self.camera.width(), self.camera.height());
         detector::detections(&labelled, size, &self.settings.detector, random)
     }
+}
+
+fn pinhole(lens: &CameraSettings) -> Result<Camera, CameraError> {
+    let principal = (0.5 * (f64::from(lens.width) - 1.0), 0.5 * (f64::from(lens.height) - 1.0));
+    let focal = (lens.focal_px, lens.focal_px);
+    Camera::new((lens.width, lens.height), focal, principal, Distortion::None)
 }
 
 impl GroundTruth {

@@ -64,6 +64,26 @@ pub fn detection_array(message: &DetectionsMessage) -> Detection2DArray {
     Detection2DArray { detections: detections.collect(), header: header.clone() }
 }
 
+/// The same as `yolo_ros` sends it: the most probable class alone.
+pub fn yolo_detection_array(message: &DetectionsMessage) -> yolo_msgs::DetectionArray {
+    let detections = message.detections.iter().map(|detection| {
+        let (x, y) = detection.rect.center();
+        let position = yolo_msgs::Point2D { x, y };
+        let size = yolo_msgs::Vector2 { x: detection.rect.width(), y: detection.rect.height() };
+        yolo_msgs::Detection {
+            class_name: detection.label().to_owned(),
+            score: detection.probability(),
+            bbox: yolo_msgs::BoundingBox2D {
+                center: yolo_msgs::Pose2D { position, theta: 0.0 },
+                size,
+            },
+            ..yolo_msgs::Detection::default()
+        }
+    });
+    let header = header(message.stamp, &message.frame_id);
+    yolo_msgs::DetectionArray { detections: detections.collect(), header }
+}
+
 fn collected(
     header: &Header,
     boxes: impl Iterator<Item = Result<Detection, ConvertError>>,

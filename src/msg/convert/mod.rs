@@ -21,7 +21,9 @@ pub use color::{
 pub use color_message::ColorMessage;
 pub use compressed::{compressed_depth_message, png_depth};
 pub use depth::{compressed_depth_image, depth_image, depth_image_message};
-pub use detections::{FindBoxes, detection_array, detections, yolo_detections};
+pub use detections::{
+    FindBoxes, detection_array, detections, yolo_detection_array, yolo_detections,
+};
 pub use error::ConvertError;
 pub use image_topic::{is_rectified, without_transport};
 pub use markers::{ObjectShapes, color_of, deletion_markers, measurement_markers, object_markers};

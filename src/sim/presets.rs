@@ -1,0 +1,100 @@
+//! Sensors and robots by name: numbers of data sheets and papers, which the estimator does not know.
+
+use super::settings::{CameraSettings, DepthSettings, SimulationSettings};
+
+/// A depth camera with the colour camera beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SensorKind {
+    /// A Kinect of the first kind or one like it, its depth registered to colour.
+    Kinect,
+    /// A RealSense D435, its depth aligned to colour.
+    D435,
+    /// An OAK-D, its depth aligned to the full colour image, of which detectors get a small square.
+    OakD,
+}
+
+/// A robot: a sensor, and where it is mounted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RobotKind {
+    /// A TurtleBot 4 with its OAK-D, hardly above the floor.
+    Turtlebot4,
+    /// A base with a RealSense D435 on a mast.
+    Realsense,
+    /// A base with a Kinect at the height of a table.
+    Kinect,
+}
+
+impl SensorKind {
+    /// The settings with this sensor.
+    #[must_use]
+    pub fn applied(self, settings: SimulationSettings) -> SimulationSettings {
+        let (camera, depth_camera) = self.cameras();
+        SimulationSettings { camera, depth_camera, depth: self.depth(), ..settings }
+    }
+
+    /// The colour camera, and the depth image's own where it has another size.
+    fn cameras(self) -> (CameraSettings, Option<CameraSettings>) {
+        let lens = |width, height, focal_px| CameraSettings { width, height, focal_px };
+        match self {
+            Self::Kinect => (CameraSettings::default(), None),
+            // Data sheet (Intel 337029): colour 69 x 42 degrees at 16:9, of which 640x480 is the middle.
+            Self::D435 => (lens(640, 480, 616.0), None),
+            // Luxonis' documentation: IMX378, 69 degrees over 1280 columns; the preview is the middle 720x720 at 250x250.
+            Self::OakD => (lens(250, 250, 324.0), Some(lens(1280, 720, 932.0))),
+        }
+    }
+
+    fn depth(self) -> DepthSettings {
+        let kinect = DepthSettings { shadow: true, ..DepthSettings::default() };
+        match self {
+            Self::Kinect => kinect,
+            // Intel, "Tuning depth cameras for best performance": 50 mm, 0.08 px root mean square of disparity, 447 px at 848x480, so
+            // that the standard deviation grows by 0.08 / (447 x 0.05); 2 % of range is what the data sheet guarantees at 2 m.
+            Self::D435 => DepthSettings {
+                sigma_m: 0.001,
+                sigma_growth_per_m: 0.0036,
+                disparity_step_px: 1.0 / 32.0,
+                baseline_m: 0.05,
+                correlation_px: 6,
+                fattened_px: 2,
+                scale_error: 0.01,
+                dark_dropout: 0.3,
+                min_range_m: 0.28,
+                max_range_m: 8.0,
+                ..kinect
+            },
+            // Luxonis' documentation of stereo depth: 75 mm, 433 px at 640x400, an eighth of a pixel, less than 2 % below 4 m; windows of
+            // 5 to 7 of those pixels are 10 to 14 of the aligned image.
+            Self::OakD => DepthSettings {
+                sigma_m: 0.001,
+                sigma_growth_per_m: 0.0045,
+                disparity_step_px: 0.125,
+                baseline_m: 0.075,
+                correlation_px: 12,
+                fattened_px: 4,
+                scale_error: 0.01,
+                dark_dropout: 0.4,
+                min_range_m: 0.35,
+                max_range_m: 8.0,
+                ..kinect
+            },
+        }
+    }
+}
+
+impl RobotKind {
+    /// The settings with this robot.
+    #[must_use]
+    pub fn applied(self, settings: SimulationSettings) -> SimulationSettings {
+        let (sensor, height_m, pitch_down_rad) = match self {
+            // Clearpath's description of the robot: the camera is level on the shelf.
+            Self::Turtlebot4 => (SensorKind::OakD, 0.22, 0.0),
+            Self::Realsense => (SensorKind::D435, 0.7, 0.15),
+            Self::Kinect => (SensorKind::Kinect, 0.95, 0.2),
+        };
+        let mut settings = sensor.applied(settings);
+        settings.mount.robot_height_m = height_m;
+        settings.mount.robot_pitch_down_rad = pitch_down_rad;
+        settings
+    }
+}
