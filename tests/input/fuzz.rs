@@ -71,7 +71,7 @@ fn bytes_of_bags() {
     let seeds = layouts.map(|(compression, chunks, summary)| {
         bag(&scene()[..16], Layout { compression, chunks, summary })
     });
-    fuzz("bag", &seeds, 2000, |bytes, _| {
+    fuzz("bag", &seeds, 60, |bytes, _| {
         fs::write(&path, bytes).unwrap();
         match BagReader::open(&path) {
             Ok(bag) => {
