@@ -58,7 +58,7 @@ pub(super) struct Args {
     /// Write no report.html and no pictures.
     #[arg(long)]
     pub(super) no_report: bool,
-    /// Leave the images with boxes and outlines out of result.mcap.
+    /// Leave the images with boxes and outlines, and the coloured points, out of result.mcap.
     #[arg(long)]
     pub(super) no_images: bool,
     /// The true objects, for the report to compare with; otherwise what the bag has under /ground_truth/.
@@ -327,8 +327,13 @@ impl<'a> Run<'a> {
     ) -> anyhow::Result<()> {
         let mut json = serde_json::to_string_pretty(summary)?;
         json.push('\n');
-        let finished = self.results.finish(slam, &self.stopwatch.csv(), &json)?;
-        let Some(reporter) = self.reporter else { return finished.complete };
+        let mut results = self.results;
+        let report = self.reporter.map(|reporter| reporter.finish(slam));
+        if let Some(report) = report.as_ref().filter(|_| self.images) {
+            results.points(report);
+        }
+        let finished = results.finish(slam, &self.stopwatch.csv(), &json)?;
+        let Some(report) = report else { return finished.complete };
         let ended = Ended {
             bag,
             map: &finished.map,
@@ -337,7 +342,7 @@ impl<'a> Run<'a> {
             summary: summary.without_clock()?,
             clock: clock(&self.stopwatch, summary.seconds, summary.peak_memory_mb),
         };
-        let reported = reporter.finish(folder, slam, ended);
+        let reported = report.write(folder, ended);
         finished.complete.and(reported)
     }
 }

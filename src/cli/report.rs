@@ -4,14 +4,17 @@ use super::{annotated::Annotator, report_truth::HeardTruth, timing::Stopwatch};
 use crate::{
     eval::GroundTruth,
     geometry::Pose,
-    io::{BagInput, Messages, color_message, map_json, write_atomically},
+    io::{BagInput, Messages, color_message, disk_problem, map_json, write_atomically},
     mapping::SavedMap,
-    msg::{convert::png, sensor_msgs::CompressedImage},
+    msg::{
+        convert::{header, png, point_cloud},
+        sensor_msgs::{CompressedImage, PointCloud2},
+    },
     pipeline::{ObjectSlam, Update},
-    report::{Clock, Page, Recorder, Truth, plan},
+    report::{Clock, Page, Recorded, Recorder, Truth, plan},
     time::Stamp,
 };
-use anyhow::Context;
+use anyhow::anyhow;
 use serde_json::Value;
 use std::{
     fs,
@@ -87,14 +90,30 @@ impl<'a> Reporter<'a> {
         annotated.collect()
     }
 
+    /// Nothing more will come.
+    pub(super) fn finish(self, slam: &ObjectSlam) -> Report {
+        let Self { recorder, truth, given, .. } = self;
+        Report { recorded: recorder.finish(slam), truth, given }
+    }
+}
+
+/// What is to be written of a run that has ended.
+pub(super) struct Report {
+    recorded: Recorded,
+    truth: HeardTruth,
+    given: Option<(PathBuf, GroundTruth)>,
+}
+
+impl Report {
+    /// What was seen, if it has colours.
+    pub(super) fn points(&self, stamp: Stamp, frame_id: &str) -> Option<PointCloud2> {
+        let points = self.recorded.colored_points();
+        (!points.is_empty()).then(|| point_cloud(header(stamp, frame_id), points))
+    }
+
     /// Writes page, plan and pictures; each is whole or not there.
-    pub(super) fn finish(
-        self,
-        folder: &Path,
-        slam: &ObjectSlam,
-        ended: Ended<'_>,
-    ) -> anyhow::Result<()> {
-        let recorded = self.recorder.finish(slam);
+    pub(super) fn write(self, folder: &Path, ended: Ended<'_>) -> anyhow::Result<()> {
+        let recorded = self.recorded;
         let truth = match self.given {
             Some((path, truth)) => Some((path.display().to_string(), truth)),
             None => self.truth.objects().map(|truth| ("the bag's topics".to_owned(), truth)),
@@ -114,20 +133,19 @@ impl<'a> Reporter<'a> {
             clock: &ended.clock,
         })?;
         let poses: Vec<Pose> = ended.trajectory.iter().map(|(_, pose)| *pose).collect();
-        let mut files =
-            vec![page.into_bytes(), plan(ended.map, &poses, recorded.walls()).into_bytes()];
-        for picture in recorded.overlays(ended.map) {
-            files.push(png(&picture)?);
-        }
-        let write = |(name, bytes): (&&str, Vec<u8>)| {
-            let path = folder.join(name);
-            write_atomically(&path, &bytes)
-                .with_context(|| format!("cannot write {}", path.display()))
+        let mut names = FILES.iter().map(|name| folder.join(name));
+        let mut write = |bytes: &[u8]| match names.next() {
+            Some(path) => write_atomically(&path, bytes)
+                .map_err(|e| anyhow!("{} cannot be written: {}", path.display(), disk_problem(&e))),
+            None => Ok(()),
         };
-        let kept = files.len();
-        FILES.iter().zip(files).try_for_each(write)?;
+        write(page.as_bytes())?;
+        write(plan(ended.map, &poses, recorded.walls()).as_bytes())?;
+        for picture in recorded.overlays(ended.map) {
+            write(&png(&picture)?)?;
+        }
         // Of an earlier replay into the same folder; fails where there are none.
-        FILES[kept..].iter().for_each(|name| drop(fs::remove_file(folder.join(name))));
+        names.for_each(|path| drop(fs::remove_file(path)));
         Ok(())
     }
 }

@@ -1,6 +1,9 @@
 //! The files of a replay.
 
-use super::{Failure, annotated, report};
+use super::{
+    Failure, annotated,
+    report::{self, Report},
+};
 use crate::{
     config::NodeSettings,
     geometry::Pose,
@@ -31,6 +34,9 @@ const FILES: [&str; 7] = [
 
 /// What was seen when the place in the saved map was not recognised.
 const LOCAL_MAP: &str = "local_map.json";
+
+/// Coloured points of what was seen.
+const POINTS: &str = "/ellipsoid_slam/points";
 
 /// Frame of the map.
 pub(super) const MAP_FRAME: &str = "map";
@@ -81,6 +87,7 @@ impl Results {
         let mut bag = BagWriter::create(&folder.join("result.mcap"))?;
         let latched = OutputTopic::ALL.into_iter().filter(|topic| topic.is_latched());
         latched.for_each(|topic| bag.latch(topic.default_name()));
+        bag.latch(POINTS.into());
         Ok(Self {
             folder: folder.to_owned(),
             bag: Ok(bag),
@@ -147,6 +154,14 @@ impl Results {
     /// An image with boxes and outlines drawn into it.
     pub(super) fn annotated(&mut self, stamp: Stamp, image: &CompressedImage) {
         self.write(|bag| Ok(bag.write(annotated::TOPIC, image, stamp)?));
+    }
+
+    /// What was seen, as coloured points in the map.
+    pub(super) fn points(&mut self, report: &Report) {
+        let Some(stamp) = self.latest() else { return };
+        if let Some(cloud) = report.points(stamp, &self.map_frame) {
+            self.write(|bag| Ok(bag.write(POINTS, &cloud, stamp)?));
+        }
     }
 
     /// Stamp of the latest pose.

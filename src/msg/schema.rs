@@ -77,6 +77,8 @@ const DEFINITIONS: &[(&str, &str)] = &[
         "sensor_msgs/RegionOfInterest",
         include_str!("../../msg/ros/sensor_msgs/RegionOfInterest.msg"),
     ),
+    ("sensor_msgs/PointField", include_str!("../../msg/ros/sensor_msgs/PointField.msg")),
+    ("sensor_msgs/PointCloud2", include_str!("../../msg/ros/sensor_msgs/PointCloud2.msg")),
     ("sensor_msgs/CameraInfo", include_str!("../../msg/ros/sensor_msgs/CameraInfo.msg")),
     ("nav_msgs/Odometry", include_str!("../../msg/ros/nav_msgs/Odometry.msg")),
     ("nav_msgs/Path", include_str!("../../msg/ros/nav_msgs/Path.msg")),

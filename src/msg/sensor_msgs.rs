@@ -92,3 +92,48 @@ pub struct CameraInfo {
 impl Message for CameraInfo {
     const TYPE: &'static str = "sensor_msgs/msg/CameraInfo";
 }
+
+/// A value that a point of a cloud has.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PointField {
+    /// Its name, such as `x` or `rgb`.
+    pub name: String,
+    /// Bytes from the point's first one.
+    pub offset: u32,
+    /// Type of number: 7 for 32-bit floating point.
+    pub datatype: u8,
+    /// How many numbers.
+    pub count: u32,
+}
+
+impl Message for PointField {
+    const TYPE: &'static str = "sensor_msgs/msg/PointField";
+}
+
+/// Points with further values.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PointCloud2 {
+    /// Stamp and frame.
+    pub header: Header,
+    /// Rows; 1 where points have no order.
+    pub height: u32,
+    /// Points of a row.
+    pub width: u32,
+    /// What a point has.
+    pub fields: Vec<PointField>,
+    /// Whether the high byte of a number comes first.
+    pub is_bigendian: bool,
+    /// Bytes of a point.
+    pub point_step: u32,
+    /// Bytes of a row.
+    pub row_step: u32,
+    /// The bytes.
+    #[serde(with = "serde_bytes")]
+    pub data: Vec<u8>,
+    /// Whether all points are finite.
+    pub is_dense: bool,
+}
+
+impl Message for PointCloud2 {
+    const TYPE: &'static str = "sensor_msgs/msg/PointCloud2";
+}

@@ -33,9 +33,11 @@ pub(super) struct Crops {
 }
 
 impl Crops {
-    /// Whether the next box of an object is to be added; to be asked once for each.
-    pub(super) fn takes_next(&mut self, object: ObjectId) -> bool {
-        self.by_object.entry(object).or_insert_with(|| Thinned::new(MAX_CROPS)).takes_next()
+    /// Whether the next box of an object is to be added; to be asked once for each. An image is decoded for a crop alone only
+    /// where the object has none.
+    pub(super) fn takes_next(&mut self, object: ObjectId, is_decoded: bool) -> bool {
+        let crops = self.by_object.entry(object).or_insert_with(|| Thinned::new(MAX_CROPS));
+        (is_decoded || crops.iter().next().is_none()) && crops.takes_next()
     }
 
     pub(super) fn add(

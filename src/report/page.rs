@@ -2,15 +2,19 @@
 
 use super::{
     Recorded, Truth,
+    crops::Crop,
     plan::hex,
-    recorded::numbers,
+    points::Points,
+    recorded::{Step, numbers},
     rounded,
     series::{BoxSeries, Drift},
+    sides::SideCounts,
+    tracks::Track,
 };
 use crate::mapping::SavedMap;
 use serde::Serialize;
-use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use serde_json::Value;
+use std::{borrow::Cow, collections::BTreeMap};
 
 /// The clock's readings: all of a page that differs from one run to the next.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -48,6 +52,29 @@ pub struct Page<'a> {
     pub clock: &'a Clock,
 }
 
+/// What the page's programs read, beside the map and the clock.
+#[derive(Serialize)]
+struct Data<'a> {
+    title: &'a str,
+    start: f64,
+    colors: BTreeMap<&'a str, String>,
+    summary: &'a Value,
+    warnings: &'a [String],
+    notes: Vec<String>,
+    steps: &'a [Step],
+    tracks: &'a BTreeMap<u64, Track>,
+    crops: &'a BTreeMap<u64, Vec<Crop>>,
+    sides: &'a BTreeMap<u64, SideCounts>,
+    /// Time, the base after all optimisation, the base in odometry's frame.
+    way: Vec<[f64; 7]>,
+    odom: Option<[f64; 7]>,
+    points: Points,
+    walls: Vec<[[f64; 2]; 2]>,
+    boxes: BoxSeries,
+    drift: Drift,
+    truth: &'a Option<Truth>,
+}
+
 const HTML: &str = include_str!("web/page.html");
 const STYLE: &str = include_str!("web/style.css");
 const SCRIPTS: [&str; 7] = [
@@ -70,7 +97,7 @@ impl Recorded {
     /// When a number cannot be written.
     pub fn page(&self, page: &Page<'_>) -> serde_json::Result<String> {
         let clock = serde_json::to_string(page.clock)?;
-        let run = serde_json::to_string(&self.data(page)?)?;
+        let run = serde_json::to_string(&self.data(page))?;
         let mut text = String::with_capacity(run.len() + 1_000_000);
         let mut parts = HTML.split("<!-- here -->");
         text.push_str(parts.next().unwrap_or_default());
@@ -78,51 +105,45 @@ impl Recorded {
         text.push_str(parts.next().unwrap_or_default());
         // Each on a line of its own: without the clock's line, pages of one bag are the same.
         for (id, data) in [("map", page.map_json), ("run", &run), ("clock", &clock)] {
-            let data = inert(data);
-            text.push_str(&format!(
-                "<script type=\"application/json\" id=\"{id}\">{data}</script>\n"
-            ));
+            text.push_str(&format!("<script type=\"application/json\" id=\"{id}\">"));
+            text.push_str(&inert(data));
+            text.push_str("</script>\n");
         }
         for script in SCRIPTS {
-            text.push_str(&format!("<script>\n{script}</script>\n"));
+            ["<script>\n", script, "</script>\n"].iter().for_each(|part| text.push_str(part));
         }
         text.push_str(parts.next().unwrap_or_default());
         Ok(text)
     }
 
-    fn data(&self, page: &Page<'_>) -> serde_json::Result<Value> {
+    fn data<'a>(&'a self, page: &'a Page<'_>) -> Data<'a> {
         let labels = page.map.objects.iter().map(|object| object.label.as_str());
         let boxes = self.steps.iter().flat_map(|step| step.labels());
         let truths = page.truth.iter().flat_map(Truth::labels);
-        let colors: BTreeMap<&str, String> =
-            labels.chain(boxes).chain(truths).map(|label| (label, hex(label))).collect();
-        let way: Vec<[f64; 7]> = (self.way.iter())
-            .map(|(t, pose, then)| {
-                let (now, odom) = (pose.translation.vector, then.odom_from_base.translation.vector);
-                [*t, now.x, now.y, now.z, odom.x, odom.y, odom.z].map(rounded)
-            })
-            .collect();
-        Ok(json!({
-            "title": page.title,
-            "frame_id": page.map.frame_id,
-            "start": self.start.as_secs(),
-            "colors": colors,
-            "summary": page.summary,
-            "warnings": page.warnings,
-            "notes": self.notes(),
-            "steps": serde_json::to_value(&self.steps)?,
-            "tracks": serde_json::to_value(&self.tracks)?,
-            "crops": serde_json::to_value(&self.crops)?,
-            "sides": serde_json::to_value(&self.sides)?,
-            "way": way,
-            "odom": self.odom_in_map(),
-            "points": serde_json::to_value(&self.points)?,
-            "walls": self.walls.iter().map(|ends| ends.map(|end| [end.x, end.y].map(rounded)))
-                .collect::<Vec<_>>(),
-            "boxes": serde_json::to_value(BoxSeries::of(&self.counts))?,
-            "drift": serde_json::to_value(Drift::of(self))?,
-            "truth": serde_json::to_value(&page.truth)?,
-        }))
+        let way = self.way.iter().map(|(t, pose, then)| {
+            let (now, odom) = (pose.translation.vector, then.odom_from_base.translation.vector);
+            [*t, now.x, now.y, now.z, odom.x, odom.y, odom.z].map(rounded)
+        });
+        let walls = self.walls.iter().map(|ends| ends.map(|end| [end.x, end.y].map(rounded)));
+        Data {
+            title: page.title,
+            start: self.start.as_secs(),
+            colors: labels.chain(boxes).chain(truths).map(|label| (label, hex(label))).collect(),
+            summary: &page.summary,
+            warnings: page.warnings,
+            notes: self.notes(),
+            steps: &self.steps,
+            tracks: &self.tracks,
+            crops: &self.crops,
+            sides: &self.sides,
+            way: way.collect(),
+            odom: self.odom_in_map(),
+            points: Points::of(&self.points),
+            walls: walls.collect(),
+            boxes: BoxSeries::of(&self.counts),
+            drift: Drift::of(self),
+            truth: &page.truth,
+        }
     }
 
     /// Odometry's frame where odometry begins where the base does after all optimisation: `map_from_odom`.
@@ -151,10 +172,10 @@ impl Recorded {
                 "{count} colour images could not be used, the first because: {why}."
             ));
         }
-        if self.every_step > 1 {
-            let (every, shown) = (self.every_step, self.steps.len());
+        let shown = self.steps.len();
+        if shown < keyframes {
             notes.push(format!(
-                "To keep this file small, the time slider has one of {every} keyframes: {shown} of {keyframes}."
+                "The time slider has {shown} of {keyframes} keyframes: at most three a second, and no more than this file has room for."
             ));
         }
         if self.most_crops < 8 {
@@ -172,7 +193,7 @@ impl Recorded {
         notes.push(format!(
             "Points are one a voxel of {:.0} mm: {} of all that was measured.",
             1e3 * self.points.voxel_m,
-            self.points.count
+            self.points.points.len()
         ));
         notes
     }
@@ -180,6 +201,9 @@ impl Recorded {
 
 /// Data on one line that ends no script element and begins no comment, whatever texts came with the bag. JSON breaks
 /// lines between its parts only.
-fn inert(json: &str) -> String {
-    json.lines().map(str::trim).collect::<String>().replace('<', "\\u003c")
+fn inert(json: &str) -> Cow<'_, str> {
+    if !json.contains(['<', '\n']) {
+        return json.into();
+    }
+    json.lines().map(str::trim).collect::<String>().replace('<', "\\u003c").into()
 }

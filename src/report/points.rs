@@ -23,8 +23,9 @@ const MAX_DEPTH_M: f32 = 6.0;
 /// Neighbouring readings that differ by more, as a share of the depth, are of different surfaces, and what lies between
 /// is of neither.
 const MAX_JUMP: f32 = 0.04;
-/// What the camera has to move (m) or turn (rad) to see something else.
-const NEW_VIEW: (f64, f64) = (0.1, 0.09);
+/// What the camera has to move (m) or turn (rad) to see something else, and how many times that to see what is new.
+const OTHER_VIEW: (f64, f64) = (0.1, 0.09);
+const NEW_VIEW: f64 = 4.0;
 
 /// Where an image was taken.
 #[derive(Clone, Copy, Debug)]
@@ -61,11 +62,20 @@ pub(super) struct Cloud {
     has_color: bool,
 }
 
+/// Points in the map.
+#[derive(Debug)]
+pub(super) struct Placed {
+    /// With red, green and blue.
+    pub(super) points: Vec<(Point3<f64>, [u8; 3])>,
+    pub(super) voxel_m: f64,
+    pub(super) has_color: bool,
+}
+
 /// Points as the page has them: 16-bit steps of `step_m` from `origin`, three an axis a point, little-endian.
 #[derive(Debug, Serialize)]
 pub(super) struct Points {
-    pub(super) count: usize,
-    pub(super) voxel_m: f64,
+    count: usize,
+    voxel_m: f64,
     origin: [f64; 3],
     step_m: f64,
     positions: String,
@@ -79,11 +89,14 @@ impl Cloud {
         Self { anchors, samples, voxel_m: FINEST_M, has_color: false }
     }
 
-    /// Whether an image from there shows something else than the latest one did.
-    pub(super) fn wants(&self, anchor: &Anchor) -> bool {
+    /// Whether an image from there shows something else than the latest one did; so much else that it is worth being decoded for
+    /// that alone, unless it `is_decoded` for other reasons.
+    pub(super) fn wants(&self, anchor: &Anchor, is_decoded: bool) -> bool {
+        let times = if is_decoded { 1.0 } else { NEW_VIEW };
         self.anchors.last().is_none_or(|last| {
             let moved = last.odom_from_camera().inv_mul(&anchor.odom_from_camera());
-            moved.translation.vector.norm() > NEW_VIEW.0 || moved.rotation.angle() > NEW_VIEW.1
+            moved.translation.vector.norm() > times * OTHER_VIEW.0
+                || moved.rotation.angle() > times * OTHER_VIEW.1
         })
     }
 
@@ -125,15 +138,22 @@ impl Cloud {
     }
 
     /// Where the points are after all optimisation, again at most one a voxel.
-    pub(super) fn finish(self, slam: &ObjectSlam) -> Points {
+    pub(super) fn finish(self, slam: &ObjectSlam) -> Placed {
         let poses: Vec<Pose> = self.anchors.iter().map(|a| a.map_from_camera(slam)).collect();
         let mut placed: BTreeMap<[i32; 3], (Point3<f64>, [u8; 3])> = BTreeMap::new();
         for sample in self.samples.values() {
             let at = poses[sample.anchor as usize] * point(sample);
             placed.entry(voxel(&at, self.voxel_m)).or_insert((at, sample.color));
         }
+        let points = placed.into_values().collect();
+        Placed { points, voxel_m: self.voxel_m, has_color: self.has_color }
+    }
+}
+
+impl Points {
+    pub(super) fn of(placed: &Placed) -> Self {
         let bounds = |pick: fn(f64, f64) -> f64, from: f64| {
-            placed.values().fold([from; 3], |so_far, (at, _)| {
+            placed.points.iter().fold([from; 3], |so_far, (at, _)| {
                 [pick(so_far[0], at.x), pick(so_far[1], at.y), pick(so_far[2], at.z)]
             })
         };
@@ -141,17 +161,17 @@ impl Cloud {
         let extent = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
         let step_m = (extent / f64::from(u16::MAX)).max(1e-4);
         let (mut positions, mut colors) = (Vec::new(), Vec::new());
-        for (at, color) in placed.values() {
+        for (at, color) in &placed.points {
             for axis in 0..3 {
                 let steps = ((at[axis] - low[axis]) / step_m).round() as u16;
                 positions.extend(steps.to_le_bytes());
             }
-            colors.extend(if self.has_color { &color[..] } else { &[] });
+            colors.extend(if placed.has_color { &color[..] } else { &[] });
         }
-        let origin = if placed.is_empty() { [0.0; 3] } else { low };
-        Points {
-            count: placed.len(),
-            voxel_m: self.voxel_m,
+        let origin = if placed.points.is_empty() { [0.0; 3] } else { low };
+        Self {
+            count: placed.points.len(),
+            voxel_m: placed.voxel_m,
             origin,
             step_m,
             positions: BASE64_STANDARD.encode(positions),

@@ -1,7 +1,7 @@
 //! What a run left for its report.
 
 use super::{
-    crops::Crop, points::Points, recorder::Images, rounded, sides::SideCounts, tracks::Track,
+    crops::Crop, points::Placed, recorder::Images, rounded, sides::SideCounts, tracks::Track,
 };
 use crate::{
     geometry::Pose,
@@ -27,12 +27,10 @@ pub struct Recorded {
     pub(super) sides: BTreeMap<u64, SideCounts>,
     pub(super) counts: Vec<Counts>,
     pub(super) steps: Vec<Step>,
-    /// One of so many keyframes is a step.
-    pub(super) every_step: usize,
     pub(super) tracks: BTreeMap<u64, Track>,
     /// Changes of objects are left out that are so many times as large as otherwise.
     pub(super) coarseness: f64,
-    pub(super) points: Points,
+    pub(super) points: Placed,
     /// Ends of walls seen from above.
     pub(super) walls: Vec<[Point2<f64>; 2]>,
     pub(super) images: Images,

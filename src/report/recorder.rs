@@ -22,6 +22,8 @@ use std::collections::VecDeque;
 
 /// Longer side of the images on the page (px).
 const IMAGE_PX: u32 = 480;
+/// Least time from one place of the slider to the next (s): decoding more images would cost more than the method does.
+const STEP_S: f64 = 0.3;
 /// Images and what is drawn over them, all together (bytes of the page).
 const STEPS_BUDGET: usize = 11_000_000;
 /// Poses of the base.
@@ -40,6 +42,8 @@ const SAME_MOMENT_S: f64 = 0.05;
 pub struct Recorder {
     start: Option<Stamp>,
     waiting: VecDeque<ColorMessage>,
+    /// When the latest step was taken, or one left out for the sake of the budget.
+    latest_step: f64,
     steps: Thinned<Step>,
     way: Thinned<FramePose>,
     overlays: Thinned<(RgbImage, Anchor, Camera)>,
@@ -77,6 +81,7 @@ impl Default for Recorder {
         Self {
             start: None,
             waiting: VecDeque::new(),
+            latest_step: f64::NEG_INFINITY,
             steps: Thinned::new(STEPS_BUDGET),
             way: Thinned::new(MAX_POSES),
             overlays: Thinned::new(MAX_OVERLAYS),
@@ -149,11 +154,12 @@ impl Recorder {
                 self.sides.add(object.id, heading, measured, &keyframe.map_from_camera);
             }
         }
-        let takes_step = self.steps.takes_next();
-        let takes_points = self.cloud.wants(&anchor);
-        let takes_overlay = self.overlays.takes_next();
+        let takes_step = self.takes_step(t);
+        let takes_points = self.cloud.wants(&anchor, takes_step);
+        let takes_overlay = takes_step && self.overlays.takes_next();
         let boxes = keyframe.boxes.iter().filter_map(|found| Some((found.object?, found)));
-        let cropped: Vec<_> = boxes.filter(|(object, _)| self.crops.takes_next(*object)).collect();
+        let cropped: Vec<_> =
+            boxes.filter(|(object, _)| self.crops.takes_next(*object, takes_step)).collect();
         let takes_any = takes_step || takes_points || takes_overlay || !cropped.is_empty();
         let image = if takes_any { self.image_of(keyframe.stamp) } else { None };
         self.waiting.retain(|image| image.stamp() > keyframe.stamp);
@@ -172,6 +178,16 @@ impl Recorder {
             self.overlays.add((image.clone(), anchor, keyframe.camera.clone()), 1);
         }
         Some((image, frame_id))
+    }
+
+    /// Whether the keyframe of a time (s) becomes a place of the slider.
+    fn takes_step(&mut self, t: f64) -> bool {
+        // Stamps are rounded. A clock may have been set back.
+        let is_due = !(0.0..STEP_S - 2e-3).contains(&(t - self.latest_step));
+        if is_due {
+            self.latest_step = t;
+        }
+        is_due && self.steps.takes_next()
     }
 
     fn add_step(
@@ -270,7 +286,6 @@ impl Recorder {
             most_crops,
             sides,
             counts: self.counts,
-            every_step: self.steps.stride(),
             steps: self.steps.into_entries(),
             coarseness: self.tracks.coarseness(),
             tracks: self.tracks.finish(),

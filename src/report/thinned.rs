@@ -37,11 +37,6 @@ impl<T> Thinned<T> {
         }
     }
 
-    /// One of so many is kept.
-    pub(super) fn stride(&self) -> usize {
-        self.stride
-    }
-
     pub(super) fn iter(&self) -> impl Iterator<Item = &T> {
         self.entries.iter().map(|(entry, _)| entry)
     }

@@ -68,7 +68,7 @@ fn structs_mirror_their_definitions_field_by_field() {
         std_msgs: Header ColorRGBA;
         geometry_msgs: Point Vector3 Quaternion Pose PoseStamped PoseWithCovariance Twist
             TwistWithCovariance Transform TransformStamped;
-        sensor_msgs: Image CompressedImage RegionOfInterest CameraInfo;
+        sensor_msgs: Image CompressedImage RegionOfInterest CameraInfo PointField PointCloud2;
         nav_msgs: Odometry Path;
         tf2_msgs: TFMessage;
         vision_msgs: Point2D Pose2D BoundingBox2D BoundingBox3D ObjectHypothesis ObjectHypothesisWithPose

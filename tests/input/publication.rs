@@ -86,7 +86,9 @@ fn all_that_is_shown_of_an_object_is_deleted() {
 #[test]
 fn layouts_show_topics_that_there_are() {
     let mut known: Vec<String> = OutputTopic::ALL.map(OutputTopic::default_name).to_vec();
-    known.push("/ellipsoid_slam/debug_image/compressed".into());
+    // Of result bags only.
+    known
+        .extend(["debug_image/compressed", "points"].map(|name| format!("/ellipsoid_slam/{name}")));
     for file in ["foxglove.json", "ellipsoid_slam.rviz"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("config").join(file);
         let text = fs::read_to_string(path).unwrap();

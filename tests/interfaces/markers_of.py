@@ -1,4 +1,4 @@
-"""The last markers, way and annotated image of a result bag as JSON: markers_of.py BAG."""
+"""The last markers, way, annotated image and points of a result bag as JSON: markers_of.py BAG."""
 
 import base64
 import io
@@ -34,4 +34,9 @@ picture = None
 if image:
     pixels = Image.open(io.BytesIO(bytes(image.data))).convert("RGB")
     picture = {"size": pixels.size, "rgb": base64.b64encode(pixels.tobytes()).decode()}
-print(json.dumps({"markers": rows, "path": path, "image": picture}))
+cloud = last("points")
+points = None
+if cloud:
+    points = {"count": cloud.width, "step": cloud.point_step, "data": base64.b64encode(bytes(cloud.data)).decode()}
+    points["fields"] = [[field.name, field.offset, field.datatype, field.count] for field in cloud.fields]
+print(json.dumps({"markers": rows, "path": path, "image": picture, "points": points}))

@@ -8,7 +8,7 @@ import sys
 import yaml
 
 # Displays that both versions know by the same fields but for the topic's; TF has no source here.
-TOPICS = {"Grid": None, "MarkerArray": "Marker Topic", "Path": "Topic", "Image": "Image Topic"}
+TOPICS = {"Grid": None, "MarkerArray": "Marker Topic", "Path": "Topic", "Image": "Image Topic", "PointCloud2": "Topic"}
 
 text = re.sub(r"rviz_(default_plugins|common)/", "rviz/", open(sys.argv[1]).read())
 config = yaml.safe_load(text)

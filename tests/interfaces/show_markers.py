@@ -7,7 +7,7 @@ import sys
 import rospy
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Vector3
 from nav_msgs.msg import Path
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import Image, PointCloud2, PointField
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -29,6 +29,7 @@ for row in shown["markers"]:
 path = Path(poses=[PoseStamped(pose=Pose(Point(*place), Quaternion(0, 0, 0, 1))) for place in shown["path"]])
 path.header.frame_id = "map"
 publishers = [publisher("markers", MarkerArray), publisher("path", Path), publisher("debug_image", Image)]
+publishers.append(publisher("points", PointCloud2))
 publishers[0].publish(MarkerArray(markers))
 publishers[1].publish(path)
 if shown["image"]:
@@ -36,4 +37,11 @@ if shown["image"]:
     image = Image(width=width, height=height, encoding="rgb8", step=3 * width, data=base64.b64decode(shown["image"]["rgb"]))
     image.header.frame_id = "map"
     publishers[2].publish(image)
+if shown["points"]:
+    count, step = shown["points"]["count"], shown["points"]["step"]
+    cloud = PointCloud2(height=1, width=count, point_step=step, row_step=count * step, is_dense=True)
+    cloud.fields = [PointField(*field) for field in shown["points"]["fields"]]
+    cloud.data = base64.b64decode(shown["points"]["data"])
+    cloud.header.frame_id = "map"
+    publishers[3].publish(cloud)
 rospy.spin()

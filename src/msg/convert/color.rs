@@ -116,6 +116,7 @@ pub fn png(image: &RgbImage) -> Result<Vec<u8>, ConvertError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, image.width, image.height);
     encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Fast);
     encoder.write_header().and_then(|mut w| w.write_image_data(&image.data)).map_err(problem)?;
     Ok(file)
 }

@@ -11,6 +11,7 @@ mod image_topic;
 mod markers;
 mod measurements;
 mod objects;
+mod points;
 mod pose;
 
 pub use camera::{camera, camera_info};
@@ -29,6 +30,7 @@ pub use image_topic::{is_rectified, without_transport};
 pub use markers::{ObjectShapes, color_of, deletion_markers, measurement_markers, object_markers};
 pub use measurements::{landmark_detections, measurement_array};
 pub use objects::{boxes_3d, detections_3d, object_array, path};
+pub use points::point_cloud;
 pub use pose::{
     odometry, odometry_message, pose_covariance, pose_message, tf_message, transform_message,
     transforms,

@@ -152,9 +152,12 @@ class View {
   ribbon(points, color) {
     const lifted = points.map((point) => point.clone().setZ(point.z + 0.03));
     const corners = [];
+    // Corners of the band up to each pose.
+    const until = [0];
     for (let i = 0; i + 1 < lifted.length; i += 1) {
       const [from, to] = [lifted[i], lifted[i + 1]];
       const across = new THREE.Vector3(from.y - to.y, to.x - from.x, 0);
+      until.push(corners.length + (across.length() < 1e-4 ? 0 : 6));
       if (across.length() < 1e-4) continue;
       across.setLength(0.018);
       const [a, b, c, d] = [from.clone().add(across), from.clone().sub(across), to.clone().add(across), to.clone().sub(across)];
@@ -162,8 +165,11 @@ class View {
     }
     const material = new THREE.MeshBasicMaterial({ color, side: THREE.DoubleSide });
     const band = new THREE.Mesh(new THREE.BufferGeometry().setFromPoints(corners), material);
+    const line = this.line(lifted, color);
     band.frustumCulled = false;
-    return [band, this.line(lifted, color)];
+    line.frustumCulled = false;
+    this.ribbons = [...(this.ribbons || []), { band, line, until }];
+    return [band, line];
   }
 
   addPoints() {
@@ -292,8 +298,19 @@ class View {
     }
     this.boxes.set(objects.map(placeOf), objects.map((object) => inkOf(colorOf(object.label))));
     this.setUncertainty(objects);
+    this.setWays(timeOf(step));
     this.setFrustum(step);
     this.select(this.selected);
+  }
+
+  /** Ways up to a time. */
+  setWays(t) {
+    let poses = 0;
+    while (poses < run.way.length && run.way[poses][0] <= t + 1e-6) poses += 1;
+    for (const { band, line, until } of this.ribbons) {
+      band.geometry.setDrawRange(0, until[Math.max(poses - 1, 0)] || 0);
+      line.geometry.setDrawRange(0, poses);
+    }
   }
 
   /** Two standard deviations of the place, and of each face. Known at the end only. */
