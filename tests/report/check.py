@@ -11,8 +11,8 @@ from pathlib import Path
 from browser import Browser
 
 HOSTILE = "<img src=x onerror=\"document.title='broken'\">"
-# A processor draws here, and what else it does is not known: far below what a graphics card reaches.
-LEAST_FRAMES_A_SECOND = 3.0
+# A processor draws here, and what else it does is not known: frames with 1,000 objects are compared with those of the demo.
+LEAST_SHARE = 0.2
 
 
 def expect(holds, words):
@@ -192,7 +192,7 @@ def check_keyboard(browser, path):
     browser.key("d")
 
 
-def check_many(browser, path):
+def check_many(browser, path, usual):
     shown = browser.js("document.querySelector('#list li').children[1].textContent")
     expect(shown == f"{HOSTILE} 1", f"{path}: a label became {shown}")
     browser.js("select(1)")
@@ -200,8 +200,8 @@ def check_many(browser, path):
     expect(browser.js("document.querySelectorAll('img[src=x]').length") == 0, f"{path}: a label became HTML")
     expect(browser.js("document.title") != "broken", f"{path}: a label ran")
     frames = browser.js(FRAMES)
-    print(f"report: {frames:.0f} frames a second with {browser.js('map.objects.length')} objects")
-    expect(frames >= LEAST_FRAMES_A_SECOND, f"{path}: {frames:.1f} frames a second are too few")
+    print(f"report: {frames:.1f} frames a second with {browser.js('map.objects.length')} objects, {usual:.1f} with the demo's")
+    expect(frames >= LEAST_SHARE * usual, f"{path}: {frames:.1f} frames a second are too few beside {usual:.1f}")
 
 
 def main():
@@ -218,11 +218,13 @@ def main():
             check_keyboard(browser, path)
             expect(not browser.problems, f"{path}: {browser.problems}")
             print(f"report: {path} works; {drawn:.2f} of the scene is drawn")
+        browser.open(demo)
+        usual = browser.js(FRAMES)
         check_looks(browser, empty, folder)
         expect(browser.js("map.objects.length") == 0, f"{empty}: it is not empty")
         check_time(browser, empty)
         check_looks(browser, many, folder, dark=True)
-        check_many(browser, many)
+        check_many(browser, many, usual)
         expect(not browser.problems, f"{many}: {browser.problems}")
 
 
