@@ -90,6 +90,7 @@ fn observation(body: Ellipsoid, base_from_camera: Pose, camera: &Camera) -> Obse
             covariance,
             probability: 0.8,
             support: None,
+            faces: None,
             usual_m: None,
             glimpse: None,
         }),

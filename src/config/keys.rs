@@ -233,7 +233,10 @@ const METHOD_KEYS: &[Key] = &[
     other("slam.support", "hold objects on their support planes, besides their lower faces"),
     number("slam.support_sigma_m", 0.0001, 10.0, "standard deviation of a plane's height [m]"),
     number("slam.upright_sigma_deg", 0.001, 90.0, "standard deviation of an object's tilt [deg]"),
-    other("slam.weighting", "covariance: each measurement's own; paper: eps_z P_e for all alike"),
+    other(
+        "slam.weighting",
+        "covariance: each measurement's own; faces: each face by itself, bounded where it was not seen; paper: eps_z P_e for all alike",
+    ),
     number("slam.eps_z", 1e-6, 1e12, "the paper's eps_z, for weighting: paper"),
     number("slam.similar_views_correlation", 0.0, 1.0, "correlation of errors of similar views"),
     number("slam.similar_views_deg", 1.0, 360.0, "views within this angle are similar [deg]"),

@@ -9,6 +9,7 @@
 
 mod camera;
 mod ellipsoid;
+mod face_evidence;
 mod outline;
 mod overlap;
 mod plane;
@@ -19,6 +20,7 @@ mod wall;
 
 pub use camera::{Camera, CameraError, Distortion};
 pub use ellipsoid::{Ellipsoid, EllipsoidError};
+pub use face_evidence::{FaceEvidence, Reach};
 pub use outline::{Outline, Support};
 pub use overlap::{OrientedBox, intersection_over_union, intersection_volume};
 pub use plane::Plane;

@@ -37,4 +37,13 @@ impl Kernel {
             Self::GemanMcClure(c) => (c * c / (c * c + s)).powi(2),
         }
     }
+
+    /// The residual whose square costs what this scalar residual costs with the kernel, and its derivative by that: so that
+    /// components of one factor can each have a kernel of their own. Both grow with the residual.
+    pub(super) fn rooted(&self, residual: f64) -> (f64, f64) {
+        let squared = residual * residual;
+        let root = (2.0 * self.cost(squared)).sqrt().copysign(residual);
+        let slope = if root == 0.0 { 1.0 } else { self.weight(squared) * residual / root };
+        (root, slope)
+    }
 }

@@ -329,13 +329,22 @@ impl MapObject {
             }
             None => measured.covariance,
         };
-        let factor = EllipsoidObservation::new(
-            place.keyframe.pose,
-            self.variable,
-            ellipsoid,
-            &covariance,
-            self.outline,
-        )?;
+        let pose = place.keyframe.pose;
+        let faces = measured.faces.filter(|_| settings.weighting == Weighting::Faces);
+        let factor = match faces.filter(|_| measured.glimpse.is_none()) {
+            Some(faces) => {
+                let rotation = std::array::from_fn(|i| measured.covariance[(i, i)].sqrt());
+                let seen = (rotation, faces);
+                EllipsoidObservation::of_faces(pose, self.variable, ellipsoid, seen, self.outline)?
+            }
+            None => EllipsoidObservation::new(
+                pose,
+                self.variable,
+                ellipsoid,
+                &covariance,
+                self.outline,
+            )?,
+        };
         let factor = factor.with_kernel(settings.robust_kernel());
         if settings.weighting == Weighting::Paper {
             let factor = TieFactor::Measured(Box::new(factor));

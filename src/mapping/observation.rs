@@ -2,7 +2,7 @@
 
 use super::{BoxOutline, SlamSettings, View, WallSighting, odometry::Place};
 use crate::{
-    geometry::{Ellipsoid, Outline, Plane, Pose, Rect},
+    geometry::{Ellipsoid, FaceEvidence, Outline, Plane, Pose, Rect},
     graph::{BoxError, BoxObservation, BoxSide, EllipsoidId},
     perception::UsualSize,
     time::Stamp,
@@ -86,6 +86,9 @@ pub struct Measured {
     pub ellipsoid: Ellipsoid,
     /// Covariance of `[rotation, translation, log semi-axes]`, a right perturbation in the object's frame.
     pub covariance: SMatrix<f64, 9, 9>,
+    /// What was seen of its faces -x, +x, -y, +y, -z, +z, from the ellipsoid's centre along its axes, without what its class
+    /// says; nothing where only the covariance is known.
+    pub faces: Option<[FaceEvidence; 6]>,
     /// `P_e` of the paper.
     pub probability: f64,
     /// The plane it stands on, in the frame of the base.
@@ -107,9 +110,9 @@ pub struct Hints {
 }
 
 impl Measured {
-    /// Widens the covariance along each horizontal axis on which this is much larger than the longer usual extent of its
-    /// class (m): chairs that stand beside each other or one behind the other are measured as one now and then, and
-    /// nothing says then which part of it is the object.
+    /// Doubts each horizontal axis on which this is much larger than the longer usual extent of its class (m): chairs
+    /// that stand beside each other or one behind the other are measured as one now and then, and nothing says then
+    /// which part of it is the object.
     #[must_use]
     pub fn doubting_its_size(mut self, usual_m: f64) -> Self {
         for i in 0..2 {
@@ -118,6 +121,8 @@ impl Measured {
                 let more = own - 0.5 * usual_m;
                 self.covariance[(3 + i, 3 + i)] += more * more;
                 self.covariance[(6 + i, 6 + i)] += (more / own).powi(2);
+                let faces = self.faces.iter_mut().flat_map(|faces| &mut faces[2 * i..2 * i + 2]);
+                faces.for_each(|face| *face = face.widened(2.0 * more));
             }
         }
         self

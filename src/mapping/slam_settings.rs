@@ -107,9 +107,12 @@ pub enum BoxOutline {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Weighting {
-    /// Each its own covariance: needs no knob.
+    /// Each measurement its own covariance, guesses of what was not seen included: needs no knob.
     #[default]
     Covariance,
+    /// Each face by itself, as exactly as it was seen; one that was not seen is bounded, and its class says once where it
+    /// usually is.
+    Faces,
     /// `eps_z P_e` for every component in radians and metres. Liao et al. 2020, eq. (11) and (13).
     Paper,
 }

@@ -219,6 +219,7 @@ fn estimate_segment<'a>(
             place_sigma_m,
         ),
         sides: faces.faces.map(|face| face.side),
+        faces: faces.evidence(),
         silhouette,
         outline: prior.outline,
         probability,

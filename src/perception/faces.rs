@@ -13,6 +13,7 @@ use super::{
     silhouette::BoxSide,
     unseen::{hides_itself, is_seen_grazing, unseen_back_m},
 };
+use crate::geometry::{FaceEvidence, Reach};
 use nalgebra::{Isometry3, SMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// One face, by its coordinate along the outward direction.
@@ -23,6 +24,8 @@ pub(super) struct Face {
     pub(super) side: Side,
     /// How much of the position is a guess (m).
     pub(super) guessed_m: f64,
+    /// Where the outermost reading is, unless the position is known without one.
+    pub(super) seen: Option<Reach>,
 }
 
 /// The six faces in the order -x, +x, -y, +y, -z, +z of an upright frame turned by `yaw` in the level frame.
@@ -30,6 +33,11 @@ pub(super) struct Face {
 pub(super) struct Faces {
     pub(super) yaw: f64,
     pub(super) faces: [Face; 6],
+    /// How far out upright faces that were not seen can be, as there is free space or a wall (m).
+    pub(super) at_most_m: [f64; 4],
+    /// Whether a prior on the object's size says where unseen faces are: its class has a usual size, and its outline no
+    /// diameter that one seen width tells.
+    has_size_prior: bool,
 }
 
 impl Faces {
@@ -44,7 +52,12 @@ impl Faces {
             std::array::from_fn(|i| measure_face(frame, segment, &outward(yaw, i), prior));
         let lowest_m = -faces[4].position_m;
         faces[4] = bottom(segment, faces[4], prior);
-        let mut out = Self { yaw, faces };
+        let mut out = Self {
+            yaw,
+            faces,
+            at_most_m: [f64::INFINITY; 4],
+            has_size_prior: prior.size_m.is_some() && !prior.outline.is_round(),
+        };
         let unseen_m = lowest_m + out.faces[4].position_m;
         out.hide_backs_of_sheets(segment);
         out.hide_backs_of_fronts(segment, prior);
@@ -90,6 +103,7 @@ impl Faces {
                             .hypot(MIRROR_SIGMA_SHARE * mirrored_m),
                         side: Side::Mirrored,
                         guessed_m: 0.0,
+                        seen: self.faces[hidden].seen,
                     };
                 }
             }
@@ -101,8 +115,39 @@ impl Faces {
         let unsure = (sigma * sigma - MIN_SIGMA_RAD * MIN_SIGMA_RAD).max(0.0).sqrt();
         let half_m = [0, 1].map(|axis| 0.5 * self.extent_m(axis));
         for (i, face) in self.faces[..4].iter_mut().enumerate() {
-            face.sigma_m = face.sigma_m.hypot(unsure * half_m[1 - i / 2]);
+            let turned_m = unsure * half_m[1 - i / 2];
+            face.sigma_m = face.sigma_m.hypot(turned_m);
+            if let Some(seen) = &mut face.seen {
+                seen.sigma_m = seen.sigma_m.hypot(turned_m);
+            }
         }
+    }
+
+    /// What was seen of each face, from the centre along the box's own axes, without guesses.
+    pub(super) fn evidence(&self) -> [FaceEvidence; 6] {
+        std::array::from_fn(|i| {
+            let face = self.faces[i];
+            let sign = if i.is_multiple_of(2) { -1.0 } else { 1.0 };
+            let from_center = |reach: Reach| Reach {
+                position_m: reach.position_m - sign * self.center_m(i / 2),
+                ..reach
+            };
+            let at = Reach { position_m: face.position_m, sigma_m: face.sigma_m };
+            // Of an axis without a known end the middle is not known either, so that it is guessed, view by view.
+            let has_known_end = face.side.is_known() || self.faces[i ^ 1].side.is_known();
+            let is_bounded = !face.side.is_known() && has_known_end && self.has_size_prior;
+            match face.seen.filter(|_| is_bounded) {
+                None => FaceEvidence::At(from_center(at)),
+                Some(seen) => {
+                    let most_m = self.at_most_m.get(i).filter(|most_m| most_m.is_finite());
+                    let most = |most_m: &f64| Reach { position_m: *most_m, sigma_m: ROOM_SIGMA_M };
+                    FaceEvidence::Between {
+                        at_least: from_center(seen),
+                        at_most: most_m.map(most).map(from_center),
+                    }
+                }
+            }
+        })
     }
 
     /// Where only one face was seen, the back of the object is not where that face is.
@@ -276,11 +321,13 @@ fn measure_face(
         }
         _ => (side, 0.0),
     };
+    let seen = Reach { position_m: end.position_m, sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M) };
     Face {
         position_m: end.position_m + 0.5 * gap_m + back_m,
         sigma_m: end.sigma_m.hypot(MODEL_SIGMA_M).hypot(unseen_m).hypot(0.5 * gap_m).hypot(back_m),
         side,
         guessed_m: 0.0,
+        seen: Some(seen),
     }
 }
 
@@ -357,8 +404,13 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
     let level = center.z - support.height_of(&center.into()) / support.plane.normal.z;
     let sigma = segment.points.iter().map(|p| p.sigma_m).sum::<f64>() / n;
     let gap = -lowest.position_m - level;
-    let on_plane =
-        |sigma_m: f64, side: Side| Face { position_m: -level, sigma_m, side, guessed_m: 0.0 };
+    let on_plane = |sigma_m: f64, side: Side| Face {
+        position_m: -level,
+        sigma_m,
+        side,
+        guessed_m: 0.0,
+        seen: None,
+    };
     if gap < SUPPORT_REACH_M + 3.0 * sigma + 2.0 * segment.spacing_m {
         return on_plane(0.004 + support.rms_m, Side::Support);
     }
@@ -373,6 +425,7 @@ fn bottom(segment: &Segment<'_>, lowest: Face, prior: &ClassPrior) -> Face {
             sigma_m: (0.5 * missing).max(0.2 * height),
             side: Side::Hidden,
             guessed_m: missing,
+            seen: lowest.seen,
         },
         Side::Cut => Face { sigma_m: lowest.sigma_m.hypot(CUT_BOTTOM_SHARE * height), ..lowest },
         // It stands on something that is not a plane of its own, or hangs.
@@ -388,6 +441,8 @@ const FRONT_SHARE: f64 = 0.5;
 const SPARSE: f64 = 0.15;
 /// Depth of the layer of outermost points (m).
 const RIM_M: f64 = 0.05;
+/// How exactly it is known where free space or a wall ends a face (m).
+const ROOM_SIGMA_M: f64 = 0.05;
 /// Real objects have round edges and handles (m).
 const MODEL_SIGMA_M: f64 = 0.01;
 /// Cosine of the most grazing view that still gives samples.

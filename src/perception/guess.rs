@@ -19,6 +19,7 @@ impl Faces {
     ) -> Self {
         let mut out = *self;
         let room_m = out.room_m(frame, segment, prior);
+        out.at_most_m = std::array::from_fn(|i| out.faces[i].position_m + room_m[i]);
         out.guess_what_is_hidden(prior, room_m);
         out
     }

@@ -1,7 +1,7 @@
 //! What one frame says about one object.
 
 use super::{Side, SymmetryPlane};
-use crate::geometry::{Ellipsoid, Outline, Plane};
+use crate::geometry::{Ellipsoid, FaceEvidence, Outline, Plane};
 use nalgebra::SMatrix;
 use thiserror::Error;
 
@@ -14,6 +14,9 @@ pub struct EllipsoidMeasurement {
     pub covariance: SMatrix<f64, 9, 9>,
     /// How the faces -x, +x, -y, +y, -z, +z are known.
     pub sides: [Side; 6],
+    /// Where they are as far as this frame shows them, from the ellipsoid's centre along its own axes. The ellipsoid and its
+    /// covariance have guesses for what was not seen, this has bounds.
+    pub faces: [FaceEvidence; 6],
     /// Whether the left, upper, right and lower side of the box are where the object ends before what is behind it:
     /// neither hidden by something nearer nor cut by the image.
     pub silhouette: [bool; 4],

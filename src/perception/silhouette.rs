@@ -143,6 +143,7 @@ impl Faces {
             sigma_m: noise_m.hypot(ambiguity * outward_m).hypot(MIN_SIGMA_M).hypot(open_m),
             side: Side::Outline,
             guessed_m: 0.0,
+            seen: face.seen,
         };
     }
 

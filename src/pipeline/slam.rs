@@ -306,9 +306,17 @@ fn in_base(
     usual_m: Option<[f64; 3]>,
 ) -> Measured {
     let ellipsoid = measurement.ellipsoid.transformed(base_from_camera);
+    let covariance = placement.widened(&measurement.covariance, &ellipsoid);
+    // Where the camera is not known exactly, faces are not either.
+    let faces = std::array::from_fn(|face| {
+        let at = (3 + face / 2, 3 + face / 2);
+        measurement.faces[face]
+            .widened((covariance[at] - measurement.covariance[at]).max(0.0).sqrt())
+    });
     let measured = Measured {
-        covariance: placement.widened(&measurement.covariance, &ellipsoid),
+        covariance,
         ellipsoid,
+        faces: Some(faces),
         probability: measurement.probability.combined(),
         support: measurement.support.map(|plane| plane.transformed(base_from_camera)),
         usual_m,
@@ -340,6 +348,7 @@ fn glimpsed(glimpse: &Glimpse, (base_from_camera, placement): (&Pose, &Placement
     Measured {
         covariance: placement.widened(&glimpse.covariance, &ellipsoid),
         ellipsoid,
+        faces: None,
         probability: 0.0,
         support: glimpse.floor.map(|plane| plane.transformed(base_from_camera)),
         usual_m: None,

@@ -89,7 +89,7 @@ pub(super) const TABLES: &[Table] = &[
                it lost, and of two objects for one true one the nearer counts.",
         sequences: &[DESK_ORBIT, DESK_FORWARD, HOME_ORBIT, HOME_FORWARD],
         protocols: &[TRUE_GIVEN, DRIFTING_GIVEN, DRIFTING_AUTOMATIC],
-        rows: &["ours-boxes", "ours-huber", OURS],
+        rows: &["ours-boxes", "ours-huber", "ours-faces", OURS],
         metrics: IN_OWN_TABLE,
         published: &[],
     },

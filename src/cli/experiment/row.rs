@@ -92,6 +92,12 @@ pub(super) const ROWS: &[Row] = &[
         output: Output::Map,
     },
     Row {
+        key: "ours-faces",
+        name: "ours, face by face",
+        change: |settings, _| settings.slam.weighting = Weighting::Faces,
+        output: Output::Map,
+    },
+    Row {
         key: "without-walls",
         name: "ours, without walls",
         change: |settings, _| settings.slam.walls = false,

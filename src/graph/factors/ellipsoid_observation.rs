@@ -1,7 +1,7 @@
 //! The ellipsoid that one RGB-D frame shows. Liao et al. 2020, eq. (13).
 
 use crate::{
-    geometry::{Ellipsoid, Outline, Pose, rotation_log_derivative, skew},
+    geometry::{Ellipsoid, FaceEvidence, Outline, Pose, rotation_log_derivative, skew},
     graph::{
         EllipsoidId, Factor, Kernel, Linearization, Noise, NoiseError, PoseId, Variable, VariableId,
     },
@@ -23,14 +23,35 @@ use std::f64::consts::FRAC_1_SQRT_2;
 ///   hidden was hidden in the direction the camera looked in, whatever heading the object has been given since.
 ///   Semi-axes are compared in metres, not by their logarithms, since the position of a hidden face is linear in
 ///   centre and semi-axis.
+/// - Each face counts by itself, with a robust kernel of its own, and one that was not seen is only bounded
+///   ([`EllipsoidObservation::of_faces`]); or all components together have one covariance and one kernel
+///   ([`EllipsoidObservation::new`]).
 /// - The covariance is the measurement's own. The factors `P_e` and `eps_z` of eq. (9) and (11) would count it a second
 ///   time; [`EllipsoidObservation::scaled`] is there for who wants them.
 #[derive(Clone, Debug)]
 pub struct EllipsoidObservation {
     variables: [VariableId; 2],
     measured: Ellipsoid,
-    noise: Noise<9>,
+    evidence: Evidence,
     kernel: Kernel,
+}
+
+/// What the measurement tells of the components of the residual.
+#[derive(Clone, Debug)]
+enum Evidence {
+    /// All of them, with one covariance.
+    Joint(Noise<9>),
+    Faces(Box<FaceTerms>),
+}
+
+/// Nine scalars with a kernel each: three of the rotation, and the faces in the order -x, +x, -y, +y, -z, +z.
+#[derive(Clone, Debug)]
+struct FaceTerms {
+    /// Inverse standard deviations of the rotation about the measured axes (1/rad).
+    rotation: [f64; 3],
+    faces: [FaceEvidence; 6],
+    /// Root of the share of its information that the measurement has, outside the kernels.
+    root_share: f64,
 }
 
 impl EllipsoidObservation {
@@ -55,23 +76,66 @@ impl EllipsoidObservation {
         Ok(Self {
             variables: [pose.into(), ellipsoid.into()],
             measured,
-            noise: Noise::from_covariance(&covariance)?,
+            evidence: Evidence::Joint(Noise::from_covariance(&covariance)?),
             kernel: Kernel::Quadratic,
         })
     }
 
-    /// The same with a robust kernel.
+    /// What was seen, face by face: `faces` are the measured box's in the order -x, +x, -y, +y, -z, +z, from its centre
+    /// along its own axes, `rotation_sigmas` are those about its axes (rad). What `measured` says of faces that were not
+    /// seen does not count. The heading of ellipses fades as for [`EllipsoidObservation::new`].
+    ///
+    /// # Errors
+    /// When a standard deviation is not a positive finite number, or a position is not finite.
+    pub fn of_faces(
+        pose: PoseId,
+        ellipsoid: EllipsoidId,
+        measured: Ellipsoid,
+        (rotation_sigmas, faces): ([f64; 3], [FaceEvidence; 6]),
+        outline: Outline,
+    ) -> Result<Self, NoiseError> {
+        let mut sigmas = rotation_sigmas;
+        let clarity = heading_clarity(outline, &measured.semi_axes);
+        sigmas[HEADING] = faded(sigmas[HEADING].powi(2), clarity).sqrt();
+        let mut rotation = [0.0; 3];
+        for (index, sigma) in sigmas.into_iter().enumerate() {
+            rotation[index] = NoiseError::inverse_of_sigma(index, sigma)?;
+        }
+        if let Some(index) = faces.iter().position(|face| !face.is_valid()) {
+            return Err(NoiseError::Sigma { index: 3 + index, value: f64::NAN });
+        }
+        let terms = FaceTerms { rotation, faces, root_share: 1.0 };
+        Ok(Self {
+            variables: [pose.into(), ellipsoid.into()],
+            measured,
+            evidence: Evidence::Faces(Box::new(terms)),
+            kernel: Kernel::Quadratic,
+        })
+    }
+
+    /// The same with a robust kernel: one for each face, or one for all components together.
     pub fn with_kernel(self, kernel: Kernel) -> Self {
         Self { kernel, ..self }
     }
 
-    /// The same with `scale` times the information: the paper's `P_e eps_z`, but inside the robust kernel, which is to
-    /// judge what the measurement claims. Liao et al. 2020, eq. (11) and (13).
+    /// The same with `scale` times the information. With one covariance: the paper's `P_e eps_z`, but inside the robust
+    /// kernel. Liao et al. 2020, eq. (11) and (13). Face by face: outside the kernels, which judge what the measurement
+    /// claims, however much of it counts.
     ///
     /// # Errors
     /// When the scale is not a positive finite number.
     pub fn scaled(self, scale: f64) -> Result<Self, NoiseError> {
-        Ok(Self { noise: self.noise.scaled(scale)?, ..self })
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(NoiseError::Scale { scale });
+        }
+        let evidence = match self.evidence {
+            Evidence::Joint(noise) => Evidence::Joint(noise.scaled(scale)?),
+            Evidence::Faces(terms) => {
+                let root_share = terms.root_share * scale.sqrt();
+                Evidence::Faces(Box::new(FaceTerms { root_share, ..*terms }))
+            }
+        };
+        Ok(Self { evidence, ..self })
     }
 
     /// The same measurement of another object: what was taken for two turned out to be one.
@@ -92,12 +156,8 @@ impl EllipsoidObservation {
         let whitened = |names: Names| {
             let rotation = (measured_from_object.rotation * names.turn).scaled_axis();
             let shift = measured_from_object.translation.vector;
-            let size = names.semi_axes(&object.semi_axes) - self.measured.semi_axes;
-            let residual = SVector::<f64, 9>::from([
-                rotation.x, rotation.y, rotation.z, shift.x, shift.y, shift.z, size.x, size.y,
-                size.z,
-            ]);
-            let residual = self.noise.whiten(&residual);
+            let semi_axes = names.semi_axes(&object.semi_axes);
+            let residual = self.whitened(&rotation, &shift, &semi_axes);
             (names, rotation, residual, residual.norm_squared())
         };
         let all = Names::upright(&measured_from_object.rotation);
@@ -106,8 +166,89 @@ impl EllipsoidObservation {
             let other = whitened(*names);
             if other.3 < best.3 { other } else { best }
         });
-        Comparison { pose_from_object, semi_axes: object.semi_axes, names, rotation, residual }
+        Comparison {
+            pose_from_object,
+            shift: measured_from_object.translation.vector,
+            semi_axes: object.semi_axes,
+            names,
+            rotation,
+            residual,
+        }
     }
+
+    /// The residual of a body that is turned and moved against the measurement and has these semi-axes along its axes.
+    fn whitened(
+        &self,
+        rotation: &Vector3<f64>,
+        shift: &Vector3<f64>,
+        semi_axes: &Vector3<f64>,
+    ) -> SVector<f64, 9> {
+        let mut residual = SVector::<f64, 9>::zeros();
+        residual.fixed_rows_mut::<3>(0).copy_from(rotation);
+        match &self.evidence {
+            Evidence::Joint(noise) => {
+                residual.fixed_rows_mut::<3>(3).copy_from(shift);
+                residual.fixed_rows_mut::<3>(6).copy_from(&(semi_axes - self.measured.semi_axes));
+                noise.whiten(&residual)
+            }
+            Evidence::Faces(terms) => {
+                for (row, (value, _)) in terms.compared(rotation, shift, semi_axes).enumerate() {
+                    residual[row] = terms.root_share * self.kernel.rooted(value).0;
+                }
+                residual
+            }
+        }
+    }
+
+    /// The derivative of the whitened residual; `raw` is that of rotation, shift and semi-axes along the measured axes.
+    fn whitened_derivative(
+        &self,
+        raw: &SMatrix<f64, 9, 15>,
+        compared: &Comparison,
+    ) -> SMatrix<f64, 9, 15> {
+        let terms = match &self.evidence {
+            Evidence::Joint(noise) => return noise.whiten(raw),
+            Evidence::Faces(terms) => terms,
+        };
+        let semi_axes = compared.names.semi_axes(&compared.semi_axes);
+        let values = terms.compared(&compared.rotation, &compared.shift, &semi_axes);
+        let mut out = SMatrix::<f64, 9, 15>::zeros();
+        for (row, (value, slope)) in values.enumerate() {
+            let slope = terms.root_share * slope * self.kernel.rooted(value).1;
+            if row < 3 {
+                out.set_row(row, &(raw.row(row) * slope));
+            } else {
+                let (axis, sign) = axis_of(row - 3);
+                let face = raw.row(6 + axis) + raw.row(3 + axis) * sign;
+                out.set_row(row, &(face * slope));
+            }
+        }
+        out
+    }
+}
+
+impl FaceTerms {
+    /// Each component in standard deviations, and its derivative by what it compares (1/rad, 1/m).
+    fn compared(
+        &self,
+        rotation: &Vector3<f64>,
+        shift: &Vector3<f64>,
+        semi_axes: &Vector3<f64>,
+    ) -> impl Iterator<Item = (f64, f64)> {
+        let turned = self.rotation.iter().zip(rotation.iter());
+        let turned = turned.map(|(information, angle)| (information * angle, *information));
+        let (shift, semi_axes) = (*shift, *semi_axes);
+        let faces = self.faces.iter().enumerate().map(move |(face, evidence)| {
+            let (axis, sign) = axis_of(face);
+            evidence.whitened(semi_axes[axis] + sign * shift[axis])
+        });
+        turned.chain(faces)
+    }
+}
+
+/// The axis of a face, and which way it looks along it.
+fn axis_of(face: usize) -> (usize, f64) {
+    (face / 2, if face.is_multiple_of(2) { -1.0 } else { 1.0 })
 }
 
 impl Factor for EllipsoidObservation {
@@ -139,16 +280,23 @@ impl Factor for EllipsoidObservation {
         set(0, 6, &rotation_by_object);
         set(3, 9, &(measured_from_pose * pose_from_object));
         set(6, 12, &compared.names.size_by_log(&compared.semi_axes));
-        Linearization::new(&compared.residual, &self.noise.whiten(&jacobian))
+        let jacobian = self.whitened_derivative(&jacobian, &compared);
+        Linearization::new(&compared.residual, &jacobian)
     }
 
     fn kernel(&self) -> Kernel {
-        self.kernel
+        match self.evidence {
+            Evidence::Joint(_) => self.kernel,
+            // Each component has had its own.
+            Evidence::Faces(_) => Kernel::Quadratic,
+        }
     }
 }
 
 struct Comparison {
     pose_from_object: Pose,
+    /// Of the object's centre, along the measured axes (m).
+    shift: Vector3<f64>,
     /// The object's, as it names them (m).
     semi_axes: Vector3<f64>,
     names: Names,

@@ -2,6 +2,7 @@
 
 mod box_observation;
 mod ellipsoid_observation;
+mod face_evidence;
 mod jacobians;
 mod kernel;
 mod noise;

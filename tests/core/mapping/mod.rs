@@ -45,6 +45,7 @@ pub(crate) fn observation(
             covariance,
             probability: 0.7,
             support: None,
+            faces: None,
             usual_m: None,
             glimpse: None,
         }),
