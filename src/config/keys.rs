@@ -126,6 +126,7 @@ const METHOD_KEYS: &[Key] = &[
         "gap between clusters, besides what noise asks for [m]",
     ),
     other("perception.fit", "faces: from the object's faces; quadric: the paper's eq. (7)"),
+    number("perception.min_score", 0.0, 1.0, "boxes of a lower score are not looked at"),
     other(
         "perception.glimpses",
         "boxes without a measurement place an object, seen from several places",

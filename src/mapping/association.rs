@@ -33,6 +33,8 @@ pub(super) enum Decision {
     /// It is this one, which is elsewhere than was thought: what was measured of it before was something else.
     Anew(usize),
     New,
+    /// It is probably this one, which was pushed: the next views will tell.
+    Displaced(usize),
     /// It may be several objects, or one that it does not fit: later views will tell.
     Wait,
 }
@@ -110,6 +112,14 @@ impl Evidence<'_> {
                 }
             };
             let decision = self.anew((decision, own[at]), &fits[at], &mut associated);
+            let is_open = is_usable && matches!(decision, Decision::New | Decision::Wait);
+            let body = bodies[at].as_ref().filter(|_| is_open).map(|(body, _)| body);
+            let pushed = body.and_then(|body| {
+                let taken: Vec<usize> = assigned.iter().copied().flatten().collect();
+                self.pushed((observation, body), &taken, &associated.prospects)
+            });
+            associated.shown.extend(pushed);
+            let decision = pushed.map_or(decision, Decision::Displaced);
             associated
                 .shown
                 .extend(fits[at].explaining.keys().filter(|_| decision == Decision::Wait));
@@ -215,6 +225,42 @@ impl Evidence<'_> {
             None if is_waiting => Decision::Wait,
             None => Decision::New,
         }
+    }
+
+    /// The object that a measurement which fits none shows, if one was pushed: the nearest of those that are alike, were not
+    /// found in this image, and cannot be where they were, as this stands there or one looks through their places. Others
+    /// are where they should be: where all stand elsewhere, it is the robot that does.
+    fn pushed(
+        &self,
+        (observation, body): (&Observation, &Ellipsoid),
+        taken: &[usize],
+        prospects: &BTreeMap<usize, Prospect>,
+    ) -> Option<usize> {
+        let labels = &self.settings.labels;
+        let may_be = |(at, object): (usize, &MapObject)| {
+            let known = object.estimate();
+            let apart = body.center() - known.center();
+            let is_near = apart.xy().norm() < PUSHED_M && apart.z.abs() < PUSHED_UP_M;
+            if taken.len() < FITTING_OTHERS
+                || taken.contains(&at)
+                || !is_near
+                || !object.counts()
+                || object.is_glimpsed()
+            {
+                return None;
+            }
+            let sorted = |e: &Ellipsoid| [e.semi_axes.xy().max(), e.semi_axes.xy().min()];
+            let (a, b) = (sorted(body), sorted(known));
+            let is_as_large = (0..2).all(|i| (a[i] / b[i]).ln().abs() < SAME_SIZE.ln());
+            let is_alike = labels.is_alike(labels.cost(&observation.labels, object.belief()));
+            let is_left = prospects.get(&at).is_some_and(|prospect| {
+                prospect.is_visible() && object.existence.is_left(prospect)
+            });
+            let is_there = overlap(body, known).0 > TOUCHING;
+            (is_as_large && is_alike && (is_left || is_there)).then(|| (apart.norm(), at))
+        };
+        let all = self.objects.iter().enumerate().filter_map(may_be);
+        all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
     }
 
     fn prospects(&self, index: &ObjectIndex) -> BTreeMap<usize, Prospect> {
@@ -379,6 +425,13 @@ struct Fits {
     is_doubtful: bool,
 }
 
+/// Furniture is pushed by so much at a time (m), on its floor;
+const PUSHED_M: f64 = 0.6;
+const PUSHED_UP_M: f64 = 0.15;
+/// so many others are found where they were,
+const FITTING_OTHERS: usize = 2;
+/// and it stays as wide, up to this factor.
+const SAME_SIZE: f64 = 1.5;
 /// Bodies of one thing in two frames that follow each other are never farther apart (m): what the gate is asked about.
 const REACH_M: f64 = 0.3;
 /// What drift, as the graph knows it, adds to that for what was not seen for long, in standard deviations,

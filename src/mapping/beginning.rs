@@ -11,7 +11,7 @@ impl MapObject {
     /// Begins where this measurement in the map is, without what was measured or glimpsed before. Returns the poses that
     /// the object was seen from.
     pub(super) fn begin_anew(&mut self, graph: &mut Graph, measured: &Ellipsoid) -> Vec<PoseId> {
-        self.centers.clear();
+        self.looks.clear();
         self.company.acquit();
         graph.set_ellipsoid(self.variable, *measured);
         self.forget_views(graph)
@@ -30,19 +30,11 @@ impl MapObject {
     /// more measurements are near the latest one than near the estimate, the estimate begins anew there.
     pub(super) fn begin_anew_if_wrong(&mut self, graph: &mut Graph, measured: &Ellipsoid) {
         let center = measured.center();
-        if self.centers.len() < MAX_CENTERS {
-            self.centers.push(center);
-        }
         let estimate = graph.ellipsoid(self.variable).center();
         let reach = measured.semi_axes.norm();
-        let near = |place: &Point3<f64>| {
-            self.centers.iter().filter(|c| nalgebra::distance(c, place) < reach).count()
-        };
+        let near = |place: &Point3<f64>| self.looks.near(place, reach);
         if nalgebra::distance(&center, &estimate) > reach && near(&center) > near(&estimate) {
             graph.set_ellipsoid(self.variable, *measured);
         }
     }
 }
-
-/// Measurements that are remembered to judge an object's place by.
-pub(super) const MAX_CENTERS: usize = 100;

@@ -12,21 +12,41 @@ pub(super) struct Company {
     /// stands behind it; two things that were taken for one have one each time.
     crowded: u32,
     /// How many boxes were in its place that do not fit it.
-    pub(super) contradicted: u32,
+    contradicted: u32,
     /// How many do.
-    pub(super) fitting: u32,
+    fitting: u32,
 }
 
 impl Company {
     /// That of an object which an earlier run saw so often.
     pub(super) fn remembered(observations: u32) -> Self {
-        Self { fitting: observations, ..Self::default() }
+        Self { fitting: observations.min(REMEMBERED), ..Self::default() }
     }
 
     /// Counts an image that shows the object.
     pub(super) fn see(&mut self, has_second_box: bool) {
         self.crowded =
             if has_second_box { self.crowded + 1 } else { self.crowded.saturating_sub(1) };
+    }
+
+    /// Counts a box in its place. Only the latest count: after hours of looking at it, it must not take hours to believe
+    /// that it has changed.
+    pub(super) fn judge(&mut self, fits: bool) {
+        let (more, less) = if fits {
+            (&mut self.fitting, &mut self.contradicted)
+        } else {
+            (&mut self.contradicted, &mut self.fitting)
+        };
+        if *more < REMEMBERED {
+            *more += 1;
+        } else {
+            *less = less.saturating_sub(1);
+        }
+    }
+
+    /// Whether more boxes in its place speak against it than for it.
+    pub(super) fn is_discredited(&self) -> bool {
+        self.contradicted > self.fitting
     }
 
     /// Forgets what spoke against it.
@@ -40,5 +60,7 @@ impl Company {
     }
 }
 
+/// Boxes in its place that are remembered.
+const REMEMBERED: u32 = 20;
 /// Images with a second box in an object before that is believed.
 const BELIEVED_TWO: u32 = 3;

@@ -1,6 +1,7 @@
 //! Whether an object is there: log-odds from what was seen and what was not.
 
 use super::visibility::Prospect;
+use crate::time::Stamp;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
@@ -62,6 +63,8 @@ pub(super) struct Existence {
     views: u32,
     /// Where it was last missed from while others accounted for what stands in its place.
     missed_from: Option<Point3<f64>>,
+    /// When one last looked through its place.
+    empty_at: Option<Stamp>,
 }
 
 /// An image that does not show an object where it should be.
@@ -69,6 +72,8 @@ pub(super) struct Miss<'a> {
     pub(super) prospect: &'a Prospect,
     /// Share of what stands in its place that belongs to objects with a box in this image.
     pub(super) of_others: f64,
+    /// When the image was made.
+    pub(super) now: Stamp,
     /// False while the robot stands still: a detector that is blind to an object stays blind.
     pub(super) is_new_view: bool,
     /// Where the robot is in the map.
@@ -86,6 +91,7 @@ impl Default for Existence {
             eye: None,
             views: 0,
             missed_from: None,
+            empty_at: None,
         }
     }
 }
@@ -102,11 +108,20 @@ impl Existence {
         1.0 / (1.0 + (-self.log_odds).exp())
     }
 
-    /// A measurement of this probability was joined to it, made from a place in the map.
-    pub(super) fn measured(&mut self, probability: f64, eye: &Point3<f64>, life: &LifeSettings) {
-        let ratio = life.detection_probability / life.false_detection_probability;
-        // A doubtful measurement says less, but a box is a box.
-        self.add(ratio.ln() * (0.5 + 0.5 * probability));
+    /// A measurement of this probability in a box of this score was joined to it, made from a place in the map.
+    pub(super) fn measured(
+        &mut self,
+        (score, probability): (f64, f64),
+        eye: &Point3<f64>,
+        life: &LifeSettings,
+    ) {
+        let a_box = Event {
+            if_there: life.detection_probability,
+            if_not: life.false_detection_probability,
+        };
+        // A doubtful measurement says less, but a box is a box, as far as its score says.
+        let by_score = log_odds(score.clamp(FALSE_SCORE, SURE_SCORE)) - log_odds(FALSE_SCORE);
+        self.add(a_box.log_ratio().min(by_score) * (0.5 + 0.5 * probability));
         if self.eye.is_none_or(|last| nalgebra::distance(&last, eye) > life.different_views_m) {
             self.eye = Some(*eye);
             self.views += 1;
@@ -121,13 +136,27 @@ impl Existence {
         self.filled = Some(known + (filled - known) / self.found.min(MEMORY));
     }
 
+    /// Whether one looks through where it should be.
+    pub(super) fn is_empty(&self, prospect: &Prospect) -> bool {
+        prospect.filled() < EMPTY * self.filled.unwrap_or(USUALLY_FILLED)
+    }
+
+    /// Whether less of it stands where it should be than usual.
+    pub(super) fn is_left(&self, prospect: &Prospect) -> bool {
+        prospect.filled() < STANDS * self.filled.unwrap_or(USUALLY_FILLED)
+    }
+
     /// It should be visible and there is no box.
     pub(super) fn missed(&mut self, miss: &Miss<'_>, life: &LifeSettings) {
         let usual = self.filled.unwrap_or(USUALLY_FILLED);
         let filled = miss.prospect.filled();
-        if filled < EMPTY * usual {
-            // One looks through where it was.
-            self.add(EMPTY_LOG_ODDS);
+        if self.is_empty(miss.prospect) {
+            // Images that follow each other from one place are wrong alike.
+            let is_news = self.empty_at.is_none_or(|at| miss.now.seconds_since(at) >= NEWS_AFTER_S);
+            if miss.is_new_view || is_news {
+                self.add(LOOKED_THROUGH.log_ratio());
+                self.empty_at = Some(miss.now);
+            }
             return;
         }
         if !miss.is_new_view {
@@ -148,9 +177,12 @@ impl Existence {
         }
         // The detector may be worse at this object than at others.
         let known = (self.found + PRIOR_FOUND) / (self.found + self.missed + PRIOR_SEEN);
-        let chance = life.detection_probability.min(known);
-        let change = ((1.0 - chance) / (1.0 - life.false_detection_probability)).ln();
-        self.add(change * if stands && !is_others { STANDING_SHARE } else { 1.0 });
+        let chance = known.clamp(LEAST_CHANCE, life.detection_probability.max(LEAST_CHANCE));
+        let no_box =
+            Event { if_there: 1.0 - chance, if_not: 1.0 - life.false_detection_probability };
+        self.add(
+            no_box.log_ratio().min(0.0) * if stands && !is_others { STANDING_SHARE } else { 1.0 },
+        );
     }
 
     /// Takes the state that the evidence makes; whether the object is still there.
@@ -184,6 +216,19 @@ impl Existence {
     }
 }
 
+/// Something that an image shows, and how probable that is where the object is and where it is not. What images say of
+/// existence is the ratio of the two (Bayes).
+struct Event {
+    if_there: f64,
+    if_not: f64,
+}
+
+impl Event {
+    fn log_ratio(&self) -> f64 {
+        (self.if_there / self.if_not).ln()
+    }
+}
+
 fn log_odds(probability: f64) -> f64 {
     (probability / (1.0 - probability)).ln()
 }
@@ -200,8 +245,16 @@ const MEMORY: f64 = 10.0;
 const USUALLY_FILLED: f64 = 0.4;
 /// Where less than this share of the usual is left, the object is not.
 const EMPTY: f64 = 0.25;
-/// What a look through the place of an object says.
-const EMPTY_LOG_ODDS: f64 = -2.5;
+/// A look through the place of an object: poses and estimates are wrong by its width now and then.
+const LOOKED_THROUGH: Event = Event { if_there: 0.08, if_not: 0.97 };
+/// A robot that stands still looks anew after so long (s).
+const NEWS_AFTER_S: f64 = 1.0;
+/// Detectors that find an object more seldom than this would hardly have found it at all.
+const LEAST_CHANCE: f64 = 0.15;
+/// Score that false boxes usually have: such a box says nothing,
+const FALSE_SCORE: f64 = 0.1;
+/// and no score says more than this one.
+const SURE_SCORE: f64 = 0.99;
 /// Where more than this share of the usual is left, something stands there...
 const STANDS: f64 = 0.6;
 /// ...and a box that is missing says less,

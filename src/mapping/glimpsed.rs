@@ -109,7 +109,8 @@ impl MapObject {
         }
         self.remove_ties(graph, |tie| tie.support().is_some());
         let to = (self.variable, self.outline);
-        self.ties.push(Tie::to_support(graph, to, floor, settings)?);
+        let support = Tie::support_factor(to, floor, settings)?;
+        self.ties.push(Tie::new(graph, support, None));
         Ok(())
     }
 

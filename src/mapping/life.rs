@@ -1,7 +1,7 @@
 //! What a sighting changes besides measurements: objects come to count, are merged, and go.
 
 use super::{
-    Association, MapObject, ObjectId, ObjectMap, ObjectState, Sighting,
+    Association, MapObject, Notice, ObjectId, ObjectMap, ObjectState, Sighting,
     association::{Associated, Decision},
     existence::Miss,
     gate::overlap,
@@ -38,13 +38,17 @@ pub enum ObjectChange {
 pub(super) struct Departed {
     id: ObjectId,
     labels: BTreeMap<String, f64>,
-    size: nalgebra::Vector3<f64>,
+    ellipsoid: Ellipsoid,
+    since: Stamp,
 }
 
 impl Departed {
-    fn new(object: &MapObject) -> Self {
-        let size = object.ellipsoid().semi_axes;
-        Self { id: object.id, labels: object.labels(), size }
+    fn new(object: &MapObject, since: Stamp) -> Self {
+        Self { id: object.id, labels: object.labels(), ellipsoid: object.ellipsoid(), since }
+    }
+
+    fn distance_m(&self, object: &MapObject) -> f64 {
+        nalgebra::distance(&self.ellipsoid.center(), &object.estimate().center())
     }
 }
 
@@ -56,6 +60,7 @@ impl ObjectMap {
         associated: &Associated,
         found: &[Option<usize>],
         is_new_view: bool,
+        notices: &mut Vec<Notice>,
     ) -> Vec<ObjectChange> {
         let mut seen: Vec<usize> = found.iter().copied().flatten().collect();
         seen.sort_unstable();
@@ -64,16 +69,21 @@ impl ObjectMap {
         for at in &seen {
             let company = &mut self.objects[*at].company;
             company.see(associated.crowded.contains(at));
-            company.fitting += u32::from(!associated.contradicted.contains(at));
+            if !associated.contradicted.contains(at) {
+                company.judge(true);
+            }
         }
         for at in &associated.contradicted {
-            self.objects[*at].company.contradicted += 1;
+            self.objects[*at].company.judge(false);
         }
         let map_from_base = self.map_from_odom() * sighting.odom_from_base;
-        self.weigh(associated, &seen, is_new_view, map_from_base.translation.vector.into());
+        let eye = map_from_base.translation.vector.into();
+        self.weigh(associated, &seen, (sighting.stamp, is_new_view, eye), notices);
         let seen: Vec<ObjectId> = seen.into_iter().map(|at| self.objects[at].id).collect();
         let mut changes = Vec::new();
         self.settle(sighting.stamp, &mut changes);
+        self.departed
+            .retain(|departed| sighting.stamp.seconds_since(departed.since) < DEPARTED_FOR_S);
         if self.settings.association == Association::Automatic {
             self.merge_duplicates(&seen, &mut changes);
             self.split_fresh(&mut changes);
@@ -93,23 +103,38 @@ impl ObjectMap {
         }
     }
 
-    /// Which objects were found, and which should have been.
+    /// Which objects were found, and which should have been. Where one looks through the places of most of what should be
+    /// visible, it is the robot that is elsewhere: furniture does not leave at once. Then nothing was missed.
     fn weigh(
         &mut self,
         associated: &Associated,
         seen: &[usize],
-        is_new_view: bool,
-        eye: Point3<f64>,
+        (now, is_new_view, eye): (Stamp, bool, Point3<f64>),
+        notices: &mut Vec<Notice>,
     ) {
-        let is_clear = associated.decisions.iter().all(|d| *d != Decision::Wait);
+        let expected: Vec<bool> = associated
+            .prospects
+            .iter()
+            .filter(|(at, prospect)| self.objects[**at].counts() && prospect.is_visible())
+            .map(|(at, prospect)| {
+                !seen.contains(at) && self.objects[*at].existence.is_empty(prospect)
+            })
+            .collect();
+        let empty = expected.iter().filter(|is_empty| **is_empty).count();
+        let is_lost = expected.len() >= FEW && 2 * empty >= expected.len();
+        if is_lost {
+            notices.push(Notice::MostlyEmpty { empty, expected: expected.len() });
+        }
+        let is_open = |d: &Decision| matches!(d, Decision::Wait | Decision::Displaced(_));
+        let is_clear = !associated.decisions.iter().any(is_open);
         let found: Vec<Ellipsoid> = seen.iter().map(|at| *self.objects[*at].estimate()).collect();
         for (at, prospect) in associated.prospects.iter().filter(|(_, p)| p.is_visible()) {
             let existence = &mut self.objects[*at].existence;
             if seen.contains(at) {
                 existence.found(prospect);
-            } else if is_clear || !associated.shown.contains(at) {
+            } else if !is_lost && (is_clear || !associated.shown.contains(at)) {
                 let of_others = prospect.share_of(&found);
-                let miss = Miss { prospect, of_others, is_new_view, eye };
+                let miss = Miss { prospect, of_others, now, is_new_view, eye };
                 existence.missed(&miss, &self.settings.life);
             }
         }
@@ -148,7 +173,8 @@ impl ObjectMap {
         }
         for id in gone {
             let departed = self.position(id).map(|at| &self.objects[at]);
-            let departed = departed.filter(|object| object.counts()).map(Departed::new);
+            let departed = departed.filter(|object| object.counts());
+            let departed = departed.map(|object| Departed::new(object, now));
             if self.remove(id).is_ok() && departed.is_some() {
                 self.departed.extend(departed);
                 changes.push(ObjectChange::Removed(id));
@@ -234,7 +260,7 @@ impl ObjectMap {
         !is_vague && of_both > SAME_SPACE || is_alike && of_smaller > needed
     }
 
-    /// Gives what has come to count the identity of what has left its place, if it is like it and like nothing else.
+    /// Gives what has come to count the identity of what has left its place lately, if it is like it: of several the nearest.
     fn find_moved(&mut self, sighting: &Sighting<'_>, changes: &mut Vec<ObjectChange>) {
         if !self.settings.life.moved_keeps_id || self.departed.is_empty() {
             return;
@@ -246,11 +272,11 @@ impl ObjectMap {
             if !object.counts() || age > MOVED_WITHIN_S {
                 continue;
             }
-            let alike: Vec<usize> = (0..self.departed.len())
+            let alike = (0..self.departed.len())
                 .filter(|d| self.is_like(object, &self.departed[*d]))
-                .collect();
-            let [only] = alike[..] else { continue };
-            let (kept, gone) = (self.departed.remove(only).id, object.id);
+                .map(|d| (self.departed[d].distance_m(object), d));
+            let Some((_, nearest)) = alike.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+            let (kept, gone) = (self.departed.remove(nearest).id, object.id);
             self.objects[at].id = kept;
             changes.retain(|change| *change != ObjectChange::Confirmed(gone));
             changes.push(ObjectChange::Merged { kept, gone });
@@ -259,8 +285,9 @@ impl ObjectMap {
 
     fn is_like(&self, object: &MapObject, departed: &Departed) -> bool {
         let labels = &self.settings.labels;
-        let sizes = object.ellipsoid().semi_axes.component_div(&departed.size);
+        let sizes = object.ellipsoid().semi_axes.component_div(&departed.ellipsoid.semi_axes);
         object.id > departed.id
+            && departed.distance_m(object) < DEPARTED_WITHIN_M
             && labels.is_alike(labels.cost_of_same(object.belief(), &departed.labels))
             && sizes.iter().all(|ratio| ratio.ln().abs() < SAME_SIZE.ln())
     }
@@ -287,5 +314,10 @@ const MORE_GLIMPSES: u32 = 2;
 const GLIMPSE_S: f64 = 60.0;
 /// What was moved is as large as it was, up to this factor.
 const SAME_SIZE: f64 = 1.35;
+/// Things are carried about within a home (m), in one go: what was gone for longer (s) does not come back as what it was.
+const DEPARTED_WITHIN_M: f64 = 10.0;
+const DEPARTED_FOR_S: f64 = 600.0;
+/// Of fewer objects than this, most may be carried away at once.
+const FEW: usize = 3;
 /// It is found at its new place so long before it is missed at the old one (s).
 const MOVED_WITHIN_S: f64 = 120.0;

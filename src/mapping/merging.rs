@@ -37,6 +37,7 @@ impl ObjectMap {
         let solved = self.solved(absorbed);
         match solved {
             Ok(forgotten) => {
+                self.forget_neighbour(gone);
                 self.chain.note_loose(forgotten);
                 self.refresh([at].into_iter());
                 Ok(())
@@ -58,6 +59,7 @@ impl ObjectMap {
         let seen_from = self.objects[at].leave(&mut self.graph);
         self.solved(Ok(()))?;
         self.objects.remove(at);
+        self.forget_neighbour(id);
         self.chain.note_loose(seen_from);
         self.refresh([].into_iter());
         Ok(())
@@ -87,6 +89,12 @@ impl ObjectMap {
                 (self.objects[from_at], self.objects[into_at]) = before;
                 Err(why)
             }
+        }
+    }
+
+    fn forget_neighbour(&mut self, gone: ObjectId) {
+        for object in &mut self.objects {
+            object.company.beside.remove(&gone);
         }
     }
 

@@ -1,20 +1,16 @@
 //! An object of the map.
 
 use super::{
-    MappingSettings, Measured, ObjectState, Observation, SavedObject, SlamSettings, Weighting,
-    beginning::MAX_CENTERS,
+    MappingSettings, ObjectState, Observation, SavedObject, SlamSettings,
     company::Company,
     existence::Existence,
-    odometry::Place,
+    looks::Looks,
     ties::{Tie, TieFactor},
     views::{View, Views},
 };
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
-    graph::{
-        BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Graph, Noise,
-        NoiseError, PoseId, Upright,
-    },
+    graph::{EllipsoidId, EllipsoidPrior, Graph, Noise, NoiseError, PoseId, Upright},
     time::Stamp,
 };
 use nalgebra::{Point3, SMatrix, SVector, UnitQuaternion, Vector3};
@@ -53,8 +49,8 @@ pub struct MapObject {
     pub(super) views: Views,
     /// Its other factors.
     pub(super) ties: Vec<Tie>,
-    /// Where single measurements saw its centre, in the map.
-    pub(super) centers: Vec<Point3<f64>>,
+    /// Where the latest measurements saw it.
+    pub(super) looks: Looks,
     pub(super) ellipsoid: Ellipsoid,
     covariance: SMatrix<f64, 9, 9>,
     /// Sum of the detector's probabilities by label.
@@ -88,7 +84,7 @@ impl MapObject {
             variable,
             views: Views::default(),
             ties: Vec::new(),
-            centers: Vec::new(),
+            looks: Looks::default(),
             ellipsoid: upright(initial),
             covariance: SMatrix::identity(),
             votes: BTreeMap::new(),
@@ -129,7 +125,7 @@ impl MapObject {
             variable,
             views: Views::default(),
             ties: vec![prior],
-            centers: Vec::new(),
+            looks: Looks::default(),
             ellipsoid: saved.ellipsoid,
             covariance: saved.covariance,
             votes: saved.labels.iter().map(|(label, p)| (label.clone(), p * votes)).collect(),
@@ -144,7 +140,7 @@ impl MapObject {
     /// Gives what is not in the graph in another frame.
     pub(super) fn move_map(&mut self, new_from_old: &Pose) {
         self.ellipsoid = self.ellipsoid.transformed(new_from_old);
-        self.centers.iter_mut().for_each(|center| *center = new_from_old * *center);
+        self.looks.move_map(new_from_old);
         self.ties.iter_mut().for_each(|tie| tie.move_map(new_from_old));
         if let Some(height) = &mut self.support_height_m {
             *height += new_from_old.translation.z;
@@ -171,6 +167,11 @@ impl MapObject {
         }
         (turn[(6, 7)], turn[(7, 6)], turn[(8, 8)]) = (1.0, 1.0, 1.0);
         turn * self.covariance * turn.transpose()
+    }
+
+    /// The covariance in the frame that the graph has.
+    pub(super) fn own_covariance(&self) -> &SMatrix<f64, 9, 9> {
+        &self.covariance
     }
 
     /// The most probable label.
@@ -206,7 +207,7 @@ impl MapObject {
 
     /// Whether more boxes in its place speak against it than for it.
     pub(super) fn is_discredited(&self) -> bool {
-        self.company.contradicted > self.company.fitting
+        self.company.is_discredited()
     }
 
     pub(super) fn belief(&self) -> &BTreeMap<String, f64> {
@@ -243,7 +244,8 @@ impl MapObject {
         self.belief = settings.labels.posterior(&self.votes);
         let Some(measured) = &observation.measured else { return };
         let eye = map_from_base.translation.vector.into();
-        self.existence.measured(measured.probability, &eye, &settings.life);
+        let score = observation.labels.first().map_or(0.0, |(_, score)| *score);
+        self.existence.measured((score, measured.probability), &eye, &settings.life);
         if let Some(height) = measured.support_height_m(map_from_base) {
             self.support_heights += 1;
             let weight = 1.0 / f64::from(self.support_heights);
@@ -271,117 +273,6 @@ impl MapObject {
             self.ties.push(Tie::new(graph, TieFactor::Prior(Box::new(prior)), None));
         }
         Ok(())
-    }
-
-    /// The factors of an observation from a keyframe. Returns the poses from which other measurements were forgotten
-    /// for it.
-    pub(super) fn tie(
-        &mut self,
-        graph: &mut Graph,
-        observation: &Observation,
-        place: &Place,
-        settings: &SlamSettings,
-    ) -> Result<Vec<PoseId>, Box<dyn Error>> {
-        let mut forgotten = Vec::new();
-        let measured = observation.measured.as_ref().filter(|_| settings.observations);
-        let to = (self.variable, self.outline);
-        let mut sides = observation.sides.factor(place, to, settings)?;
-        let is_glimpse = measured.is_some_and(|measured| measured.glimpse.is_some());
-        if let Some(measured) = measured.filter(|_| !is_glimpse || self.glimpsed) {
-            let glimpsed = sides.take_if(|_| is_glimpse);
-            let measured = (measured, &observation.labels[..]);
-            forgotten = self.tie_measured(graph, measured, glimpsed, place, settings)?;
-        }
-        if let Some(sides) = sides.filter(|_| !is_glimpse || settings.boxes) {
-            self.ties.push(Tie::new(graph, TieFactor::Box(sides), Some(place.keyframe.pose)));
-        }
-        let support = observation.measured.as_ref().and_then(|measured| measured.support);
-        let support = support.map(|plane| plane.transformed(&place.map_from_base(graph)));
-        if is_glimpse {
-            self.stand_on(graph, support.filter(|_| self.glimpsed), settings)?;
-        } else if let Some(plane) = support.filter(|_| settings.support) {
-            self.ties.push(Tie::to_support(graph, to, plane, settings)?);
-        }
-        Ok(forgotten)
-    }
-
-    /// Share of its information that a measurement with these labels has. Detectors take things for others now and then;
-    /// what such a measurement guesses, and what it takes for a known end, is what the other class is usually like.
-    fn share_of_information(&self, labels: &[(String, f64)]) -> f64 {
-        let Some((label, _)) = labels.first() else { return 1.0 };
-        let belief = self.belief.get(label).copied().unwrap_or_default();
-        if belief < UNLIKELY_CLASS { OTHER_CLASS_SHARE } else { 1.0 }
-    }
-
-    fn tie_measured(
-        &mut self,
-        graph: &mut Graph,
-        (measured, labels): (&Measured, &[(String, f64)]),
-        sides: Option<BoxObservation>,
-        place: &Place,
-        settings: &SlamSettings,
-    ) -> Result<Vec<PoseId>, Box<dyn Error>> {
-        let ellipsoid = measured.ellipsoid.transformed(&place.keyframe_from_base);
-        let covariance = match &measured.glimpse {
-            Some(hints) => hints.depth_covariance,
-            None if settings.weighting == Weighting::Paper => {
-                measured.paper_covariance(settings.eps_z)
-            }
-            None => measured.covariance,
-        };
-        let pose = place.keyframe.pose;
-        let faces = measured.faces.filter(|_| settings.weighting == Weighting::Faces);
-        let factor = match faces.filter(|_| measured.glimpse.is_none()) {
-            Some(faces) => {
-                let rotation = std::array::from_fn(|i| measured.covariance[(i, i)].sqrt());
-                let seen = (rotation, faces);
-                EllipsoidObservation::of_faces(pose, self.variable, ellipsoid, seen, self.outline)?
-            }
-            None => EllipsoidObservation::new(
-                pose,
-                self.variable,
-                ellipsoid,
-                &covariance,
-                self.outline,
-            )?,
-        };
-        let factor = factor.with_kernel(settings.robust_kernel());
-        if settings.weighting == Weighting::Paper {
-            let factor = TieFactor::Measured(Box::new(factor));
-            self.ties.push(Tie::new(graph, factor, Some(place.keyframe.pose)));
-            return Ok(Vec::new());
-        }
-        let factor = factor.scaled(self.share_of_information(labels))?;
-        let mut forgotten = Vec::new();
-        if measured.glimpse.is_none() {
-            let in_map = ellipsoid.transformed(&graph.pose(place.keyframe.pose));
-            if self.glimpsed {
-                forgotten = self.begin_anew(graph, &in_map);
-            }
-            self.begin_anew_if_wrong(graph, &in_map);
-            self.expect_usual_size(graph, measured.usual_m, labels, settings)?;
-        }
-        let map_from_object = self.ellipsoid.pose;
-        let view = View::new(place.keyframe, factor, sides);
-        forgotten.extend(self.views.add(graph, &map_from_object, view, settings)?);
-        if self.is_adrift() {
-            let eye = graph.pose(place.keyframe.pose).translation.vector.into();
-            self.range_anew(graph, &eye);
-        }
-        self.forget_ties(graph, &forgotten);
-        Ok(forgotten)
-    }
-
-    /// Forgets what else was seen from keyframes from which no measurement is kept.
-    fn forget_ties(&mut self, graph: &mut Graph, poses: &[PoseId]) {
-        let is_viewed = |pose: &PoseId| self.views.all().any(|view| view.keyframe.pose == *pose);
-        let gone: Vec<PoseId> = poses.iter().copied().filter(|pose| !is_viewed(pose)).collect();
-        self.remove_ties(graph, |tie| tie.pose.is_some_and(|pose| gone.contains(&pose)));
-    }
-
-    pub(super) fn remove_ties(&mut self, graph: &mut Graph, is_gone: impl Fn(&Tie) -> bool) {
-        self.ties.iter().filter(|t| is_gone(t)).for_each(|t| graph.remove_factor(t.in_graph));
-        self.ties.retain(|tie| !is_gone(tie));
     }
 
     /// Takes over all that is known of another object that is the same thing: its factors, votes and times. The other's
@@ -421,8 +312,7 @@ impl MapObject {
         self.belief = mapping.labels.posterior(&self.votes);
         self.existence.absorb(&other.existence);
         self.placed |= other.placed;
-        self.centers.extend(other.centers);
-        self.centers.truncate(MAX_CENTERS);
+        self.looks.clear();
         let (own, others) = (f64::from(self.support_heights), f64::from(other.support_heights));
         self.support_height_m = match (self.support_height_m, other.support_height_m) {
             (Some(own_m), Some(other_m)) => Some((own * own_m + others * other_m) / (own + others)),
@@ -492,10 +382,6 @@ fn upright(ellipsoid: &Ellipsoid) -> Ellipsoid {
     }
 }
 
-/// An object whose class is less probable than this is hardly of it,
-const UNLIKELY_CLASS: f64 = 0.2;
-/// and a measurement made with what is known of that class has this share of its information.
-const OTHER_CLASS_SHARE: f64 = 0.05;
 /// A measurement is another object's if it is so much nearer to it.
 const NEARER: f64 = 0.4;
 /// A semi-axis that measurements disagree about must not shrink to nothing (rad, m, 1).

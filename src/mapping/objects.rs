@@ -1,8 +1,8 @@
 //! The map: objects and poses in one graph.
 
 use super::{
-    Association, GateSettings, LabelSettings, LifeSettings, MapObject, ObjectChange, ObjectId,
-    Observation, Sighting, SlamSettings, WallSighting,
+    Association, GateSettings, LabelSettings, LifeSettings, MapObject, Notice, ObjectChange,
+    ObjectId, Observation, Sighting, SlamSettings, WallSighting,
     association::{Associated, Decision, Evidence},
     gate::{KnownPose, Step},
     initial::InitialViews,
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     geometry::{Pose, Wall},
-    graph::{Graph, PoseId},
+    graph::{Graph, NoiseError, PoseId},
     time::Stamp,
 };
 use nalgebra::{Matrix6, Point2};
@@ -74,6 +74,8 @@ pub struct Sighted {
     pub objects: Vec<Option<ObjectId>>,
     /// What happened to objects that count, in order.
     pub changes: Vec<ObjectChange>,
+    /// What was doubted.
+    pub notices: Vec<Notice>,
     /// Why the graph could not use the sighting, if it could not.
     pub refused: Option<String>,
 }
@@ -103,14 +105,22 @@ impl ObjectMap {
 
     /// Joins what one keyframe saw: decides what it is and which factors it gives. Liao et al. 2020, section V.
     pub fn observe(&mut self, sighting: &Sighting<'_>) -> Sighted {
+        let mut notices = Vec::new();
+        match without_unusable(sighting, &mut notices) {
+            None => self.take(sighting, notices),
+            Some(sighting) => self.take(&sighting, notices),
+        }
+    }
+
+    fn take(&mut self, sighting: &Sighting<'_>, mut notices: Vec<Notice>) -> Sighted {
         let (objects, keyframes) = (self.objects.len(), self.chain.count());
         let mut before = Vec::new();
         match self.join(sighting, &mut before) {
             Ok((associated, found)) => {
                 let ids = found.iter().map(|at| at.map(|at| self.objects[at].id)).collect();
                 let is_new_view = self.chain.count() > keyframes;
-                let changes = self.live(sighting, &associated, &found, is_new_view);
-                Sighted { objects: renamed(ids, &changes), changes, refused: None }
+                let changes = self.live(sighting, &associated, &found, is_new_view, &mut notices);
+                Sighted { objects: renamed(ids, &changes), changes, notices, refused: None }
             }
             Err(refused) => {
                 self.graph.discard();
@@ -118,7 +128,8 @@ impl ObjectMap {
                 self.objects.truncate(objects);
                 before.into_iter().rev().for_each(|(at, object)| self.objects[at] = object);
                 let objects = vec![None; sighting.observations.len()];
-                Sighted { objects, changes: Vec::new(), refused: Some(refused.to_string()) }
+                let refused = Some(refused.to_string());
+                Sighted { objects, changes: Vec::new(), notices, refused }
             }
         }
     }
@@ -151,6 +162,13 @@ impl ObjectMap {
             let at = match decision {
                 Decision::Object(at) | Decision::Anew(at) => Some(*at),
                 Decision::Wait => None,
+                Decision::Displaced(at) => {
+                    before.push((*at, self.objects[*at].clone()));
+                    let forgotten = self.displaced(*at, observation, &place)?;
+                    let was_pushed = forgotten.is_some();
+                    loose.extend(forgotten.unwrap_or_default());
+                    was_pushed.then_some(*at)
+                }
                 // Another observation of this sighting may have begun it.
                 Decision::New => match self.tracked(observation) {
                     Some(at) => Some(at),
@@ -179,6 +197,21 @@ impl ObjectMap {
             }
         }
         Ok((associated, found))
+    }
+
+    /// An object is seen where it was not: if that has been so for long enough, it was pushed there. Returns the poses of
+    /// what was forgotten for that.
+    fn displaced(
+        &mut self,
+        at: usize,
+        observation: &Observation,
+        place: &Place,
+    ) -> Result<Option<Vec<PoseId>>, NoiseError> {
+        let Some(measured) = &observation.measured else { return Ok(None) };
+        let in_map = measured.ellipsoid.transformed(&place.map_from_base(&self.graph));
+        let object = &mut self.objects[at];
+        object.look(&self.graph, (measured, &in_map), place);
+        object.follow(&mut self.graph)
     }
 
     /// What each observation is taken for.
@@ -224,7 +257,7 @@ impl ObjectMap {
         let associated = self.associated(sighting, Some(step), (pose, &map_from_base));
         let known = |decision| match decision {
             Decision::Object(at) | Decision::Anew(at) => Some(self.objects[at].id),
-            Decision::New | Decision::Wait => None,
+            Decision::New | Decision::Wait | Decision::Displaced(_) => None,
         };
         associated.decisions.into_iter().map(known).collect()
     }
@@ -320,6 +353,11 @@ impl ObjectMap {
         self.chain.kept()
     }
 
+    /// Terms of the graph's cost.
+    pub fn factors(&self) -> usize {
+        self.graph.factor_count()
+    }
+
     /// Objects that count, in the order in which they were first seen.
     pub fn confirmed(&self) -> impl Iterator<Item = &MapObject> {
         self.objects.iter().filter(|object| object.counts())
@@ -343,6 +381,25 @@ impl ObjectMap {
 
 /// What was decided about a sighting, and the object of each observation.
 type Joined = (Associated, Vec<Option<usize>>);
+
+/// The sighting without measurements whose covariance is none, if there are any: the other boxes are as good without them.
+fn without_unusable<'a>(
+    sighting: &Sighting<'a>,
+    notices: &mut Vec<Notice>,
+) -> Option<Sighting<'a>> {
+    let is_unusable = |observation: &Observation| {
+        observation.measured.as_ref().is_some_and(|measured| !measured.is_usable())
+    };
+    let unusable = sighting.observations.iter().filter(|o| is_unusable(o)).count();
+    if unusable == 0 {
+        return None;
+    }
+    notices.push(Notice::Unusable { measurements: unusable });
+    let mut usable = sighting.clone();
+    let measured = usable.observations.iter_mut().filter(|o| is_unusable(o));
+    measured.for_each(|observation| observation.measured = None);
+    Some(usable)
+}
 
 /// Identities after merges.
 fn renamed(mut ids: Vec<Option<ObjectId>>, changes: &[ObjectChange]) -> Vec<Option<ObjectId>> {

@@ -128,6 +128,16 @@ impl Measured {
         self
     }
 
+    /// Whether it is a measurement: finite, with a covariance that is one.
+    pub(super) fn is_usable(&self) -> bool {
+        let Ellipsoid { pose, semi_axes } = &self.ellipsoid;
+        let is_finite = pose.translation.vector.iter().chain(semi_axes).all(|x| x.is_finite());
+        is_finite
+            && semi_axes.iter().all(|s| *s > 0.0)
+            && self.covariance.cholesky().is_some()
+            && self.glimpse.as_ref().is_none_or(|h| h.depth_covariance.cholesky().is_some())
+    }
+
     /// Height in the map of the plane that it stands on, below its centre (m).
     pub(super) fn support_height_m(&self, map_from_base: &Pose) -> Option<f64> {
         let plane = self.support?.transformed(map_from_base);

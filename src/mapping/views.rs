@@ -19,11 +19,13 @@ pub(super) struct Views {
 pub(super) struct View {
     /// The keyframe it was made from.
     pub(super) keyframe: KeyframeId,
+    /// How many looks at the object there had been; 0 where another object had it first.
+    pub(super) order: u32,
     /// With all the information that the measurement claims.
     pub(super) factor: EllipsoidObservation,
-    /// The sides of its box, of a glimpse.
+    /// The sides of its box, as far as they say something besides.
     pub(super) sides: Option<BoxObservation>,
-    in_graph: Vec<FactorId>,
+    in_graph: [Option<FactorId>; 2],
 }
 
 impl View {
@@ -32,7 +34,7 @@ impl View {
         factor: EllipsoidObservation,
         sides: Option<BoxObservation>,
     ) -> Self {
-        Self { keyframe, factor, sides, in_graph: Vec::new() }
+        Self { keyframe, order: 0, factor, sides, in_graph: [None; 2] }
     }
 
     /// Gives the graph its factors with the information that they have as one of `count` similar views.
@@ -44,16 +46,17 @@ impl View {
     ) -> Result<(), NoiseError> {
         self.leave(graph);
         let factor = self.factor.clone().scaled(share(count, correlation))?;
-        self.in_graph.push(graph.add_factor(factor));
+        self.in_graph[0] = Some(graph.add_factor(factor));
         if let Some(sides) = &self.sides {
             let sides = sides.clone().scaled(share(count, SIDES_CORRELATION))?;
-            self.in_graph.push(graph.add_factor(sides));
+            self.in_graph[1] = Some(graph.add_factor(sides));
         }
         Ok(())
     }
 
     fn leave(&mut self, graph: &mut Graph) {
-        self.in_graph.drain(..).for_each(|factor| graph.remove_factor(factor));
+        let factors = std::mem::take(&mut self.in_graph);
+        factors.into_iter().flatten().for_each(|factor| graph.remove_factor(factor));
     }
 }
 
@@ -97,7 +100,8 @@ impl Views {
 
     /// Takes some out, with their factors.
     pub(super) fn take(&mut self, graph: &mut Graph, views: &[View]) {
-        views.iter().flat_map(|v| &v.in_graph).for_each(|factor| graph.remove_factor(*factor));
+        let factors = views.iter().flat_map(|view| view.in_graph).flatten();
+        factors.for_each(|factor| graph.remove_factor(factor));
         for sector in self.sectors.values_mut() {
             sector.retain(|view| views.iter().all(|taken| taken.in_graph != view.in_graph));
         }

@@ -32,6 +32,8 @@ pub struct PerceptionSettings {
     pub segmentation: SegmentationSettings,
     /// Size and place from the points.
     pub fit: FitModel,
+    /// Boxes of a lower score are not looked at.
+    pub min_score: f64,
     /// Whether boxes without a measurement say where an object is, from several places.
     pub glimpses: bool,
     /// Boxes of an image that are looked at, the most probable ones.
@@ -49,6 +51,7 @@ impl Default for PerceptionSettings {
             walls: WallSettings::default(),
             segmentation: SegmentationSettings::default(),
             fit: FitModel::default(),
+            min_score: 0.1,
             glimpses: true,
             max_boxes: 100,
             max_names: 10,

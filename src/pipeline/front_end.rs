@@ -3,6 +3,7 @@
 use super::{
     Calibration, CameraMessage, DepthMessage, Dropped, Input, Settings,
     mount::{Mount, Tilt},
+    odometry::Reading,
     placement::Placement,
     stamp_offset::StampOffset,
     sync::{Moment, Sync},
@@ -45,7 +46,7 @@ pub(super) struct PerceivedFrame {
     pub(super) stamp: Stamp,
     pub(super) odom_frame: String,
     pub(super) base_frame: String,
-    pub(super) odom_from_base: Pose,
+    pub(super) odometry: Reading,
     pub(super) odometry_covariance: Option<Box<[f64; 36]>>,
     /// Nothing if the detector did not look at the image, or it cannot be used.
     pub(super) look: Option<Look>,
@@ -110,7 +111,7 @@ impl FrontEnd {
                 stamp: moment.depth.stamp,
                 odom_frame: odom_frame.to_owned(),
                 base_frame: base_frame.to_owned(),
-                odom_from_base: moment.odom_from_base,
+                odometry: moment.odometry,
                 odometry_covariance: moment.odometry_covariance.take(),
                 look: None,
             };
@@ -159,13 +160,16 @@ impl FrontEnd {
     fn look(
         &mut self,
         moment: Moment,
-        detections: Vec<Detection>,
+        mut detections: Vec<Detection>,
         observer: &mut dyn StageObserver,
     ) -> Result<Look, Dropped> {
+        detections
+            .retain(|detection| detection.probability() >= self.settings.perception.min_score);
         let stamp = moment.depth.stamp;
         observer.enter(Some(Stage::Registration));
         let depth = self.depth_in_color(moment.depth, &moment.color, moment.registration)?;
-        let Moment { color, odom_from_base, velocity, .. } = moment;
+        let Moment { color, odometry, velocity, .. } = moment;
+        let odom_from_base = odometry.odom_from_base;
         observer.enter(Some(Stage::SupportPlanes));
         let place = (&color, &odom_from_base, &moment.base_from_camera);
         let (tilt, floor_below_m) = self.level(stamp, &depth, place);
@@ -178,7 +182,7 @@ impl FrontEnd {
         let used_s = self.stamp_offset.correction_s();
         self.stamp_offset.see(
             &estimate.walls,
-            (&odom_from_base, &base_from_camera),
+            (&odometry.start_from_base(), &base_from_camera),
             (used_s, velocity[2]),
         );
         self.sync.shift_odometry(self.stamp_offset.correction_s());

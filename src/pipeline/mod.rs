@@ -4,6 +4,7 @@ mod front_end;
 mod history;
 mod input;
 mod mount;
+mod odometry;
 mod placement;
 mod settings;
 mod slam;

@@ -3,6 +3,7 @@
 use super::{
     Calibration, Dropped, FrontEnd, Input, Perceived, Settings,
     front_end::{Look, PerceivedFrame},
+    odometry::Reading,
     placement::Placement,
 };
 use crate::{
@@ -10,7 +11,7 @@ use crate::{
     graph::BoxSide,
     mapping::{
         Continuation, Hints, MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation,
-        ObservedBox, Relocalised, SavedMap, Sighting, SlamSettings, View, WallSighting,
+        ObservedBox, Relocalised, SavedMap, Sighted, Sighting, SlamSettings, View, WallSighting,
     },
     perception::{
         DepthImage, Detection, EllipsoidMeasurement, Glimpse, Refused, Stage, StageObserver,
@@ -44,6 +45,8 @@ pub struct FramePose {
     pub map_from_base: Pose,
     /// Pose of the base in the odometry's frame.
     pub odom_from_base: Pose,
+    /// Where the odometry's frame is in the one that it had at first: it jumps where a base driver begins anew.
+    pub start_from_odom: Pose,
     /// How many keyframes the map had at this time.
     pub keyframes: usize,
 }
@@ -160,13 +163,14 @@ impl ObjectSlam {
 
     /// Where the base was at a pose of an earlier [`Update`], after all that is known now.
     pub fn map_from_base(&self, pose: &FramePose) -> Pose {
-        self.map.map_from_odom_at(pose.stamp, pose.keyframes) * pose.odom_from_base
+        self.map.map_from_odom_at(pose.stamp, pose.keyframes)
+            * (pose.start_from_odom * pose.odom_from_base)
     }
 
     /// Covariance of the latest pose of the base in the map, of `[rotation, translation]`, a right perturbation; nothing
     /// before the first keyframe.
     pub fn covariance(&self, latest: &FramePose) -> Option<Matrix6<f64>> {
-        self.map.base_covariance(&latest.odom_from_base)
+        self.map.base_covariance(&(latest.start_from_odom * latest.odom_from_base))
     }
 
     /// The odometry's fixed frame and the base frame.
@@ -178,11 +182,13 @@ impl ObjectSlam {
     pub fn join(&mut self, perceived: Perceived, observer: &mut dyn StageObserver) -> Update {
         let mut update = Update { dropped: perceived.dropped, ..Update::default() };
         for frame in perceived.frames {
-            let PerceivedFrame { stamp, odom_from_base, .. } = frame;
+            let PerceivedFrame { stamp, odometry, .. } = frame;
+            let Reading { odom_from_base, start_from_odom } = odometry;
+            let start_from_base = start_from_odom * odom_from_base;
             (self.odom_frame, self.base_frame) = (frame.odom_frame, frame.base_frame);
             if let Some(look) = frame.look {
                 observer.enter(Some(Stage::Mapping));
-                let place = (stamp, &odom_from_base, frame.odometry_covariance);
+                let place = (stamp, &start_from_base, frame.odometry_covariance);
                 let keyframe = self.keyframe(place, look, &mut update);
                 update.keyframes.push(keyframe);
                 self.relocalise(false, &mut update);
@@ -190,8 +196,9 @@ impl ObjectSlam {
             }
             update.poses.push(FramePose {
                 stamp,
-                map_from_base: self.map.map_from_odom() * odom_from_base,
+                map_from_base: self.map.map_from_odom() * start_from_base,
                 odom_from_base,
+                start_from_odom,
                 keyframes: self.map.keyframes(),
             });
         }
@@ -245,8 +252,8 @@ impl ObjectSlam {
                 max_range_m: self.settings.perception.segmentation.max_range_m,
             }),
         });
+        update.dropped.extend(warnings(stamp, &sighted));
         update.changes.extend(sighted.changes);
-        update.dropped.extend(sighted.refused.map(|why| Dropped { stamp, reason: "graph", why }));
         let map_from_camera = self.map.map_from_odom() * (odom_from_base * base_from_camera);
         let boxes = detections
             .into_iter()
@@ -297,6 +304,13 @@ fn observation(
         sides: observed_box(detection, (found, glimpse), camera, view, &settings.slam),
         measured,
     }
+}
+
+/// What the map doubted or could not use.
+fn warnings(stamp: Stamp, sighted: &Sighted) -> Vec<Dropped> {
+    let doubts = sighted.notices.iter().map(|notice| (notice.reason(), notice.to_string()));
+    let refused = sighted.refused.iter().map(|why| ("graph", why.clone()));
+    doubts.chain(refused).map(|(reason, why)| Dropped { stamp, reason, why }).collect()
 }
 
 /// A measurement in the frame of the base. Liao et al. 2020, eq. (12).

@@ -6,7 +6,8 @@
 use super::{
     CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
     StampedTransform,
-    history::{History, Jump, Outside, is_long_before},
+    history::{Jump, Outside, is_long_before},
+    odometry::{Odometry, Reading},
     transforms::{MAX_FRAMES, TransformError, Transforms},
 };
 use crate::{
@@ -58,7 +59,7 @@ pub(super) struct Moment {
     pub(super) color: CameraMessage,
     /// The depth camera and `color_from_depth`, where depth has to be registered.
     pub(super) registration: Option<(CameraMessage, Pose)>,
-    pub(super) odom_from_base: Pose,
+    pub(super) odometry: Reading,
     /// `[rotation, translation]` a second, in the base's own frame, just before the image.
     pub(super) velocity: Vector6<f64>,
     /// Of the odometry's reading nearest in time, where it came with one.
@@ -92,29 +93,10 @@ pub(super) struct Sync {
     stamp_offset_s: f64,
 }
 
-#[derive(Debug)]
-struct Odometry {
-    frame_id: String,
-    child_frame_id: String,
-    history: History,
-    /// Of the latest readings, as they came.
-    covariances: VecDeque<(Stamp, Box<[f64; 36]>)>,
-}
-
-impl Odometry {
-    fn covariance_at(&self, stamp: Stamp) -> Option<Box<[f64; 36]>> {
-        let apart = |reading: &&(Stamp, _)| reading.0.seconds_since(stamp).abs();
-        let nearest = self.covariances.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
-        Some(nearest.1.clone())
-    }
-}
-
 /// Pixels of all depth images that wait: thirty of 1920 x 1080, which are 250 MB.
 const MAX_WAITING_PIXELS: usize = 1 << 26;
 /// Velocities are means over this time: a reading or two of slow odometry (s).
 const VELOCITY_OVER_S: f64 = 0.1;
-/// Covariances kept: ten seconds at 100 Hz, as long as an image may wait for its boxes.
-const MAX_COVARIANCES: usize = 1000;
 
 impl Sync {
     pub(super) fn new(settings: SyncSettings) -> Self {
@@ -156,7 +138,7 @@ impl Sync {
                 CameraRole::Color => self.color = Some(camera),
                 CameraRole::Depth => self.depth_camera = Some(camera),
             },
-            Input::Odometry(odometry) => self.push_odometry(odometry),
+            Input::Odometry(odometry) => self.push_odometry(odometry, dropped),
             Input::Transforms { is_static, transforms } => {
                 for transform in &transforms {
                     if !self.transforms.insert(transform, is_static) {
@@ -210,24 +192,16 @@ impl Sync {
             !before
         });
         if let Some(odometry) = &mut self.odometry {
-            odometry.history.jump_back(jump);
-            odometry.covariances.retain(|(stamp, _)| !jump.is_before(*stamp));
+            odometry.jump_back(jump);
         }
         self.transforms.jump_back(jump);
     }
 
-    fn push_odometry(&mut self, message: OdometryMessage) {
-        let odometry = self.odometry.get_or_insert_with(|| Odometry {
-            frame_id: message.frame_id.clone(),
-            child_frame_id: message.child_frame_id.clone(),
-            history: History::changing(),
-            covariances: VecDeque::new(),
-        });
-        odometry.history.push(message.stamp, message.odom_from_base);
-        odometry.covariances.extend(message.covariance.map(|c| (message.stamp, c)));
-        while odometry.covariances.len() > MAX_COVARIANCES {
-            odometry.covariances.pop_front();
-        }
+    fn push_odometry(&mut self, message: OdometryMessage, dropped: &mut Vec<Dropped>) {
+        let stamp = message.stamp;
+        let odometry = self.odometry.get_or_insert_with(|| Odometry::of(&message));
+        let jumped = odometry.push(message);
+        dropped.extend(jumped.map(|why| Dropped { stamp, reason: "odometry_jump", why }));
     }
 
     /// The next depth image for which nothing more is to be waited for. With `last`, nothing more will come.
@@ -259,7 +233,7 @@ impl Sync {
                         detections,
                         color: poses.color,
                         registration: poses.registration,
-                        odom_from_base: poses.odom_from_base,
+                        odometry: poses.odometry,
                         velocity: poses.velocity,
                         odometry_covariance: poses.odometry_covariance,
                         base_from_camera: poses.base_from_camera,
@@ -348,31 +322,26 @@ impl Sync {
             Some(odometry) => odometry.child_frame_id.as_str(),
             None => self.base_frame(),
         };
-        let (at, odom_from_base) = match self.odom_from_base(stamp.shifted(self.stamp_offset_s)) {
+        let (at, odometry) = match self.reading(stamp.shifted(self.stamp_offset_s)) {
             // At either end of a recording odometry covers the stamp, but not what is a few milliseconds beside it.
-            Err(unknown) if !unknown.early || give_up => (stamp, self.odom_from_base(stamp)?),
+            Err(unknown) if !unknown.early || give_up => (stamp, self.reading(stamp)?),
             pose => (stamp.shifted(self.stamp_offset_s), pose?),
         };
-        let before = self.odom_from_base(at.shifted(-VELOCITY_OVER_S));
-        let velocity = before
-            .map_or(Vector6::zeros(), |before| local(&before, &odom_from_base) / VELOCITY_OVER_S);
+        let before = self.reading(at.shifted(-VELOCITY_OVER_S));
+        let velocity = before.map_or(Vector6::zeros(), |before| {
+            local(&before.start_from_base(), &odometry.start_from_base()) / VELOCITY_OVER_S
+        });
         let base_from_camera = self.lookup(base, &color.frame_id, stamp)?;
         let odometry_covariance = self.odometry.as_ref().and_then(|o| o.covariance_at(stamp));
-        Ok(Poses {
-            color,
-            registration,
-            odom_from_base,
-            velocity,
-            odometry_covariance,
-            base_from_camera,
-        })
+        Ok(Poses { color, registration, odometry, velocity, odometry_covariance, base_from_camera })
     }
 
-    fn odom_from_base(&self, at: Stamp) -> Result<Pose, Unknown> {
+    fn reading(&self, at: Stamp) -> Result<Reading, Unknown> {
         let Some(odometry) = &self.odometry else {
-            return self.lookup(&self.settings.odom_frame, self.base_frame(), at);
+            let odom_from_base = self.lookup(&self.settings.odom_frame, self.base_frame(), at)?;
+            return Ok(Reading { odom_from_base, start_from_odom: Pose::identity() });
         };
-        odometry.history.at(at).map_err(|outside| Unknown {
+        odometry.at(at).map_err(|outside| Unknown {
             early: outside == Outside::After,
             reason: "no_odometry",
             why: format!("the odometry does not cover the depth image at {at}"),
@@ -448,7 +417,7 @@ enum Boxes {
 struct Poses {
     color: CameraMessage,
     registration: Option<(CameraMessage, Pose)>,
-    odom_from_base: Pose,
+    odometry: Reading,
     velocity: Vector6<f64>,
     odometry_covariance: Option<Box<[f64; 36]>>,
     base_from_camera: Pose,

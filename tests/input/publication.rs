@@ -136,7 +136,14 @@ fn a_long_drive_fits_into_a_small_bag() {
         let turn = 0.05 * (frame as f64 / 40.0).sin();
         pose *= Pose::new(Vector3::new(0.4 / 15.0, 0.0, 0.0), Vector3::new(0.0, 0.0, turn));
         let stamp = Stamp::from_nanos(frame * 1_000_000_000 / 15);
-        let now = FramePose { stamp, map_from_base: pose, odom_from_base: pose, keyframes: 0 };
+        let start_from_odom = Pose::identity();
+        let now = FramePose {
+            stamp,
+            map_from_base: pose,
+            odom_from_base: pose,
+            start_from_odom,
+            keyframes: 0,
+        };
         let update = Update { poses: vec![now], ..Update::default() };
         let mut out = publication.update(&update, &slam);
         if frame % 15 == 0 {

@@ -2,8 +2,8 @@ use super::{independent, map_of, observation, observe, only, slam_settings};
 use ellipsoid_slam::{
     geometry::{Ellipsoid, Plane, Pose},
     mapping::{
-        Association, MappingSettings, ObjectChange, ObjectId, ObjectMap, ObjectState, Observation,
-        Sighting,
+        Association, MappingSettings, Notice, ObjectChange, ObjectId, ObjectMap, ObjectState,
+        Observation, Sighting,
     },
     time::Stamp,
 };
@@ -337,7 +337,7 @@ fn identities_mean_nothing_where_the_map_decides() {
 }
 
 #[test]
-fn a_sighting_that_cannot_be_is_refused_and_nothing_is_lost() {
+fn a_measurement_that_cannot_be_is_left_out_and_nothing_is_lost() {
     let mut map = empty();
     observe(&mut map, 0.0, vec![chair(0.0, 0.0)]);
     let before = only(&map).ellipsoid();
@@ -352,10 +352,11 @@ fn a_sighting_that_cannot_be_is_refused_and_nothing_is_lost() {
         walls: Vec::new(),
         view: None,
     });
-    assert!(sighted.refused.unwrap().contains("positive definite"));
-    assert_eq!(sighted.objects, [None, None]);
-    assert_eq!((only(&map).observations, only(&map).ellipsoid()), (1, before));
+    assert_eq!(sighted.notices, [Notice::Unusable { measurements: 1 }]);
+    assert_eq!(sighted.objects, [Some(ObjectId(2)), None]);
+    let first = &map.all()[0];
+    assert_eq!((first.observations, first.ellipsoid()), (1, before));
     // What comes next is joined as if nothing had happened.
-    assert_eq!(observe(&mut map, 2.0, vec![chair(0.0, 0.0)]), [Some(only(&map).id)]);
-    assert_eq!(only(&map).observations, 2);
+    assert_eq!(observe(&mut map, 2.0, vec![chair(0.0, 0.0)]), [Some(ObjectId(1))]);
+    assert_eq!(map.all()[0].observations, 2);
 }

@@ -4,8 +4,8 @@ use super::{independent, observation, slam_settings};
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Ellipsoid, Pose, Rect},
     mapping::{
-        LifeSettings, MappingSettings, ObjectChange, ObjectId, ObjectMap, ObjectState, Observation,
-        Sighted, Sighting, View,
+        LifeSettings, MappingSettings, Notice, ObjectChange, ObjectId, ObjectMap, ObjectState,
+        Observation, Sighted, Sighting, View,
     },
     perception::{DepthImage, DepthNoise},
     time::Stamp,
@@ -18,6 +18,8 @@ struct Room {
     map: ObjectMap,
     camera: Camera,
     frames: u32,
+    score: f64,
+    later_s: f64,
 }
 
 fn base_from_camera() -> Pose {
@@ -33,7 +35,13 @@ impl Room {
     fn new(life: LifeSettings) -> Self {
         let settings = MappingSettings { life, ..MappingSettings::default() };
         let camera = Camera::new((160, 120), (130.0, 130.0), (79.5, 59.5), Distortion::None);
-        Self { map: ObjectMap::new(settings, slam_settings()), camera: camera.unwrap(), frames: 0 }
+        Self {
+            map: ObjectMap::new(settings, slam_settings()),
+            camera: camera.unwrap(),
+            frames: 0,
+            score: 0.9,
+            later_s: 0.0,
+        }
     }
 
     /// What the cabinet's box in the image is, with the sides of its near face.
@@ -70,12 +78,13 @@ impl Room {
             let in_base = |body: &Ellipsoid| body.transformed(&odom_from_base.inverse());
             let e = in_base(measured);
             let seen = observation("cabinet", e, independent(&e, 0.05, 0.03, 0.02));
-            Observation { rect: Some(self.rect(&in_base(boxed))), ..seen }
+            let labels = vec![("cabinet".to_owned(), self.score)];
+            Observation { rect: Some(self.rect(&in_base(boxed))), labels, ..seen }
         });
         let observations = observations.collect();
         self.frames += 1;
         let sighted = self.map.observe(&Sighting {
-            stamp: Stamp::from_secs(f64::from(self.frames)),
+            stamp: Stamp::from_secs(f64::from(self.frames) + self.later_s),
             odom_from_base,
             odometry_covariance: None,
             observations,
@@ -198,6 +207,78 @@ fn what_was_moved_keeps_its_identity_or_not_as_one_likes() {
         assert_eq!(ids, [ObjectId(if keeps { 1 } else { 2 })]);
         let y = room.map.all()[0].ellipsoid().center().y;
         assert!((y + 0.8).abs() < 0.05, "{y}");
+    }
+}
+
+/// A detector that has become blind to an object is no proof of it.
+#[test]
+fn misses_never_raise_belief_however_many() {
+    let mut room = Room::new(LifeSettings::default());
+    room.with_cabinet();
+    let thing = (room.rect(&cabinet(0.0)), 2.0);
+    let mut last = room.map.all()[0].existence();
+    for _ in 0..600 {
+        room.look(&[], &[thing]);
+        let Some(object) = room.map.all().first() else { return };
+        assert!(object.existence() <= last);
+        last = object.existence();
+    }
+    assert!(last < 0.9, "{last}");
+}
+
+/// The pose is wrong, not the furniture.
+#[test]
+fn where_most_seems_gone_at_once_nothing_is() {
+    let mut room = Room::new(LifeSettings::default());
+    let bodies = [0.8, 0.0, -0.8]
+        .map(|y| Ellipsoid::new(Pose::translation(2.2, y, 0.5), Vector3::new(0.2, 0.2, 0.4)));
+    let things = bodies.map(|body| (room.rect(&body), 2.0));
+    for _ in 0..8 {
+        room.look(&bodies, &things);
+    }
+    assert_eq!(room.map.confirmed().count(), 3);
+    for _ in 0..50 {
+        let sighted = room.see(&[(bodies[0], bodies[0])], &things[..1]);
+        assert_eq!(sighted.changes, []);
+        assert_eq!(sighted.notices, [Notice::MostlyEmpty { empty: 2, expected: 3 }]);
+    }
+    // One alone may well have been carried away.
+    let two = [(bodies[0], bodies[0]), (bodies[1], bodies[1])];
+    let changes: Vec<_> = (0..5).flat_map(|_| room.see(&two, &things[..2]).changes).collect();
+    assert_eq!(changes, [ObjectChange::Removed(ObjectId(3))]);
+}
+
+#[test]
+fn boxes_of_a_low_score_hardly_prove_anything() {
+    let after = |score: f64| {
+        let mut room = Room::new(LifeSettings { confirmed_from: 0.9, ..LifeSettings::default() });
+        room.score = score;
+        let body = cabinet(0.0);
+        for _ in 0..6 {
+            let thing = (room.rect(&body), 2.0);
+            room.look(&[body], &[thing]);
+        }
+        room.map.confirmed().count()
+    };
+    assert_eq!((after(0.9), after(0.11)), (1, 0));
+}
+
+/// What left yesterday does not come back as what is found today.
+#[test]
+fn identities_of_what_left_long_ago_are_not_given_again() {
+    for (wait_s, id) in [(60.0, 1), (700.0, 2)] {
+        let mut room = Room::new(LifeSettings::default());
+        room.with_cabinet();
+        (0..5).for_each(|_| drop(room.look(&[], &[])));
+        assert_eq!(room.map.all().len(), 0);
+        room.later_s += wait_s;
+        let body = cabinet(-0.8);
+        for _ in 0..8 {
+            let thing = (room.rect(&body), 2.0);
+            room.look(&[body], &[thing]);
+        }
+        let ids: Vec<ObjectId> = room.map.confirmed().map(|object| object.id).collect();
+        assert_eq!(ids, [ObjectId(id)]);
     }
 }
 

@@ -9,8 +9,10 @@ mod glimpses;
 mod life;
 mod loop_closing;
 mod merging;
+mod pushes;
 mod queries;
 mod relocalisation;
+mod standing;
 mod walls;
 
 use crate::geometry::upright_pose;

@@ -6,6 +6,7 @@ mod glimpses;
 mod limits;
 mod missing;
 mod moved_chair;
+mod odometry_jumps;
 mod pairing;
 mod poses;
 mod random_orders;

@@ -1,0 +1,151 @@
+//! Chairs that somebody pushes, after they were seen for long.
+
+use super::{independent, normal, observation};
+use ellipsoid_slam::{
+    geometry::{Camera, Distortion, Ellipsoid, Outline, Pose, Rect},
+    mapping::{MappingSettings, ObjectId, ObjectMap, Observation, Sighting, SlamSettings, View},
+    perception::{DepthImage, DepthNoise},
+    time::Stamp,
+};
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::FRAC_PI_2;
+
+const WIDTH: u32 = 160;
+const HEIGHT: u32 = 120;
+
+/// A robot that drives to and fro before things in a row, looks at them along x, and knows where it is by odometry.
+struct Watch {
+    map: ObjectMap,
+    camera: Camera,
+    things: Vec<(&'static str, Ellipsoid)>,
+    looks: u32,
+    rng: ChaCha8Rng,
+}
+
+fn base_from_camera() -> Pose {
+    let rotation = UnitQuaternion::from_euler_angles(-FRAC_PI_2, 0.0, -FRAC_PI_2);
+    Pose::from_parts(nalgebra::Translation3::new(0.0, 0.0, 0.5), rotation)
+}
+
+fn chair(y: f64) -> Ellipsoid {
+    Ellipsoid::new(Pose::translation(3.0, y, 0.45), Vector3::new(0.25, 0.25, 0.45))
+}
+
+fn cabinet(y: f64) -> Ellipsoid {
+    Ellipsoid::new(Pose::translation(3.2, y, 0.5), Vector3::new(0.2, 0.3, 0.5))
+}
+
+impl Watch {
+    fn new(things: Vec<(&'static str, Ellipsoid)>) -> Self {
+        let camera = Camera::new((WIDTH, HEIGHT), (90.0, 90.0), (79.5, 59.5), Distortion::None);
+        Self {
+            map: ObjectMap::new(MappingSettings::default(), SlamSettings::default()),
+            camera: camera.unwrap(),
+            things,
+            looks: 0,
+            rng: ChaCha8Rng::seed_from_u64(5),
+        }
+    }
+
+    /// The near face's box in the image, and how far off it is.
+    fn face(&self, body: &Ellipsoid) -> (Rect, f32) {
+        let camera_from_base = base_from_camera().inverse();
+        let at = |y: f64, z: f64| {
+            let near = body.center() + Vector3::new(-body.semi_axes.x, y, z);
+            self.camera.project(&(camera_from_base * near)).unwrap()
+        };
+        let half = body.semi_axes;
+        let (low, high) = (at(half.y, half.z), at(-half.y, -half.z));
+        let depth = body.center().x - half.x;
+        (Rect::new(low.x, low.y, high.x, high.y).unwrap(), depth as f32)
+    }
+
+    fn look(&mut self) {
+        // From one place to the next after every third look.
+        let odom_from_base =
+            Pose::translation(0.0, 0.12 * f64::from(self.looks / 3 % 5) - 0.24, 0.0);
+        let in_base = odom_from_base.inverse();
+        let mut metres = vec![6.0_f32; (WIDTH * HEIGHT) as usize];
+        let mut observations = Vec::new();
+        for (label, body) in &self.things {
+            let body = body.transformed(&in_base);
+            let (rect, depth) = self.face(&body);
+            for v in rect.y_min.max(0.0) as u32..(rect.y_max as u32).min(HEIGHT) {
+                for u in rect.x_min.max(0.0) as u32..(rect.x_max as u32).min(WIDTH) {
+                    let pixel = &mut metres[(v * WIDTH + u) as usize];
+                    *pixel = pixel.min(depth);
+                }
+            }
+            let mut seen = body;
+            let noise = Vector3::from_fn(|_, _| 0.015 * normal(&mut self.rng));
+            seen.pose.translation.vector += noise;
+            let seen = observation(label, seen, independent(&seen, 0.05, 0.02, 0.02));
+            let rect = rect.clipped(WIDTH, HEIGHT);
+            observations.push(Observation { rect, outline: Outline::Cuboid, ..seen });
+        }
+        let depth = DepthImage::new(WIDTH, HEIGHT, metres).unwrap();
+        self.looks += 1;
+        let sighted = self.map.observe(&Sighting {
+            stamp: Stamp::from_secs(0.2 * f64::from(self.looks)),
+            odom_from_base,
+            odometry_covariance: None,
+            observations,
+            walls: Vec::new(),
+            view: Some(View {
+                base_from_camera: base_from_camera(),
+                camera: &self.camera,
+                depth: &depth,
+                noise: DepthNoise::default(),
+                max_range_m: 5.0,
+            }),
+        });
+        assert_eq!(sighted.refused, None);
+    }
+
+    fn chairs(&self) -> Vec<(ObjectId, f64)> {
+        let chairs = self.map.confirmed().filter(|object| object.label() == "chair");
+        chairs.map(|object| (object.id, object.ellipsoid().center().y)).collect()
+    }
+}
+
+#[test]
+fn a_chair_that_was_seen_3000_times_is_at_its_new_place_within_five_looks() {
+    for by in [0.4, 0.5] {
+        let things =
+            vec![("cabinet", cabinet(1.3)), ("chair", chair(0.0)), ("cabinet", cabinet(-1.3))];
+        let mut watch = Watch::new(things);
+        (0..3000).for_each(|_| watch.look());
+        let [(id, before)] = watch.chairs()[..] else { panic!("{:?}", watch.chairs()) };
+        assert!(before.abs() < 0.02, "{before}");
+        watch.things[1].1 = chair(by);
+        (0..5).for_each(|_| watch.look());
+        let after = watch.chairs();
+        println!("pushed by {by} m: {after:?}");
+        assert_eq!(after.iter().map(|chair| chair.0).collect::<Vec<_>>(), [id]);
+        assert!((after[0].1 - by).abs() < 0.03, "pushed by {by} m: {after:?}");
+        assert_eq!(watch.map.all().len(), 3);
+    }
+}
+
+#[test]
+fn of_six_alike_chairs_the_pushed_one_is_elsewhere_and_all_keep_their_identities() {
+    for by in [0.4, 0.5] {
+        let places = [-1.6, -1.0, -0.4, 0.2, 0.8, 1.4];
+        let mut watch = Watch::new(places.iter().map(|y| ("chair", chair(*y))).collect());
+        (0..300).for_each(|_| watch.look());
+        let before = watch.chairs();
+        assert_eq!(before.len(), 6);
+        watch.things[5].1 = chair(1.4 + by);
+        (0..5).for_each(|_| watch.look());
+        let after = watch.chairs();
+        println!("pushed by {by} m: {after:?}");
+        for (i, ((id, y), (known_as, was))) in after.iter().zip(&before).enumerate() {
+            let moved = if (was - 1.4).abs() < 0.1 { by } else { 0.0 };
+            assert_eq!(id, known_as);
+            assert!((y - was - moved).abs() < 0.04, "chair {i}, pushed by {by} m: {after:?}");
+        }
+        assert_eq!(watch.map.all().len(), 6);
+    }
+}
