@@ -8,7 +8,11 @@ use super::{
     OdometryMessage,
     history::{History, Jump, Outside},
 };
-use crate::{geometry::Pose, time::Stamp};
+use crate::{
+    geometry::{Pose, local, retract},
+    time::Stamp,
+};
+use nalgebra::Vector6;
 use std::collections::VecDeque;
 
 #[derive(Debug)]
@@ -21,6 +25,8 @@ pub(super) struct Odometry {
     covariances: VecDeque<(Stamp, Box<[f64; 36]>)>,
     /// The latest reading, as it came.
     latest: Option<(Stamp, Pose)>,
+    /// How the base moved to it, `[rotation, translation]` a second in its own frame.
+    velocity: Option<Vector6<f64>>,
     /// From when on odometry's frame was where in the one that it had at first.
     moves: VecDeque<(Stamp, Pose)>,
 }
@@ -50,6 +56,7 @@ impl Odometry {
             history: History::changing(),
             covariances: VecDeque::new(),
             latest: None,
+            velocity: None,
             moves: VecDeque::new(),
         }
     }
@@ -57,7 +64,15 @@ impl Odometry {
     /// Takes a reading. Returns what happened if the frame jumped with it.
     pub(super) fn push(&mut self, message: OdometryMessage) -> Option<String> {
         let OdometryMessage { stamp, odom_from_base, covariance, .. } = message;
-        let jump = self.latest.and_then(|latest| jump(latest, (stamp, &odom_from_base)));
+        let reading = (stamp, &odom_from_base);
+        let jump = (self.latest.zip(self.velocity))
+            .and_then(|(latest, velocity)| jump(latest, &velocity, reading));
+        self.velocity = self.latest.and_then(|(before, from)| {
+            let seconds = stamp.seconds_since(before);
+            // The step of a jump is no motion, and the one after it is judged by the motion before.
+            let is_motion = jump.is_none() && seconds > 0.0;
+            if is_motion { Some(local(&from, &odom_from_base) / seconds) } else { self.velocity }
+        });
         if let (Some(_), Some((_, latest))) = (&jump, self.latest) {
             let moved = self.start_from_odom(stamp) * latest * odom_from_base.inverse();
             self.moves.push_back((stamp, moved));
@@ -106,18 +121,28 @@ impl Odometry {
     }
 }
 
-/// What happened between two readings if no robot can do it.
-fn jump((before, from): (Stamp, Pose), (stamp, to): (Stamp, &Pose)) -> Option<String> {
+/// What happened between two readings if no robot can do it: it went neither so far from where it was, nor from where it
+/// would have come at the velocity (a second, in its own frame) that it had.
+fn jump(
+    (before, from): (Stamp, Pose),
+    velocity: &Vector6<f64>,
+    (stamp, to): (Stamp, &Pose),
+) -> Option<String> {
     let seconds = stamp.seconds_since(before);
+    let is_beyond = |expected: &Pose| {
+        let way = expected.inv_mul(to);
+        let (metres, radians) = (way.translation.vector.norm(), way.rotation.angle());
+        metres > LEAST_JUMP_M + MAX_SPEED * seconds
+            || radians > LEAST_JUMP_RAD + MAX_TURN_RATE * seconds
+    };
+    let is_jump = is_beyond(&from) && is_beyond(&retract(&from, &(velocity * seconds)));
     let way = from.inv_mul(to);
-    let (metres, radians) = (way.translation.vector.norm(), way.rotation.angle());
-    let is_far = metres > LEAST_JUMP_M + MAX_SPEED * seconds;
-    let is_turned = radians > LEAST_JUMP_RAD + MAX_TURN_RATE * seconds;
-    (seconds > 0.0 && seconds < JUDGED_S && (is_far || is_turned)).then(|| {
+    (seconds > 0.0 && seconds < JUDGED_S && is_jump).then(|| {
         format!(
-            "the odometry moved by {metres:.2} m and {:.0} degrees within {seconds:.3} s: taken for a jump of its frame, \
+            "the odometry moved by {:.2} m and {:.0} degrees within {seconds:.3} s: taken for a jump of its frame, \
              not of the robot",
-            radians.to_degrees()
+            way.translation.vector.norm(),
+            way.rotation.angle().to_degrees()
         )
     })
 }

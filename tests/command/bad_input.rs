@@ -62,7 +62,7 @@ fn nothing_is_said_twice() {
     for (args, words) in [
         (vec!["replay", bag, "--output", "/proc/no"], "no topic for depth"),
         (vec!["replay", folder, "--config", folder], "directory"),
-        (vec!["replay", "bags/desk.mcap", "--map", folder], "directory"),
+        (vec!["replay", "bags/desk.mcap", "--map", folder], "no regular file"),
     ] {
         let said = stderr(&run(&args));
         assert_eq!(said.matches(words).count(), 1, "{said}");

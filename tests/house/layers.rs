@@ -13,7 +13,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("graph", &["geometry"]),
     ("mapping", &["time", "geometry", "perception", "graph"]),
     ("pipeline", &["time", "geometry", "perception", "graph", "mapping"]),
-    ("config", &["perception", "graph", "mapping", "pipeline"]),
+    ("config", &["geometry", "perception", "graph", "mapping", "pipeline"]),
     ("eval", &["time", "geometry"]),
     ("sim", &["time", "geometry"]),
     ("msg", &["time", "geometry", "perception", "mapping", "pipeline"]),
