@@ -29,7 +29,6 @@ impl DetectorArgs {
 }
 
 /// A detector, and what it is in words.
-#[cfg_attr(not(feature = "detector"), expect(dead_code, reason = "only the feature makes one"))]
 pub(super) struct Loaded {
     pub(super) find: FindBoxes,
     pub(super) described: String,

@@ -16,12 +16,14 @@ from visualization_msgs.msg import Marker, MarkerArray
 NODE = "/ellipsoid_slam"
 rclpy.init()
 node = rclpy.create_node("reset_peer")
-shown, values, images = set(), {}, []
+shown, colors, values, images = set(), set(), {}, []
 
 
 def take_markers(array):
     for m in array.markers:
         (shown.add if m.action == Marker.ADD else shown.discard)((m.ns, m.id))
+        if m.ns == "objects" and m.action == Marker.ADD:
+            colors.add(tuple(round(255 * part) for part in (m.color.r, m.color.g, m.color.b)))
 
 
 def take_diagnostics(array):
@@ -55,9 +57,10 @@ wait_for("markers", lambda: any(ns == "objects" for ns, _ in shown))
 wait_for("a debug image", lambda: images)
 image = images[0]
 assert (image.encoding, len(image.data)) == ("rgb8", 3 * image.width * image.height), image.encoding
-# What is drawn has colours whose largest part is 0.95 and whose smallest is 0.2.
-pixels = zip(image.data[0::3], image.data[1::3], image.data[2::3])
-assert sum((max(pixel), min(pixel)) == (242, 51) for pixel in pixels) > 200
+# Boxes and outlines are drawn in the colours of the markers, to the last bit of the conversion from floats.
+pixels = set(zip(image.data[0::3], image.data[1::3], image.data[2::3]))
+drawn = [c for c in colors if any(max(abs(a - b) for a, b in zip(c, p)) <= 1 for p in pixels)]
+assert len(drawn) >= 5, (colors, len(pixels))
 call(SetBool, f"{NODE}/pause", data=True)
 wait_for("paused", lambda: values.get("paused") == "true")
 before = values["frames"]

@@ -40,7 +40,7 @@ pub struct EllipsoidObservation {
 #[derive(Clone, Debug)]
 enum Evidence {
     /// All of them, with one covariance.
-    Joint(Noise<9>),
+    Joint(Box<Noise<9>>),
     Faces(Box<FaceTerms>),
 }
 
@@ -76,7 +76,7 @@ impl EllipsoidObservation {
         Ok(Self {
             variables: [pose.into(), ellipsoid.into()],
             measured,
-            evidence: Evidence::Joint(Noise::from_covariance(&covariance)?),
+            evidence: Evidence::Joint(Box::new(Noise::from_covariance(&covariance)?)),
             kernel: Kernel::Quadratic,
         })
     }
@@ -129,7 +129,7 @@ impl EllipsoidObservation {
             return Err(NoiseError::Scale { scale });
         }
         let evidence = match self.evidence {
-            Evidence::Joint(noise) => Evidence::Joint(noise.scaled(scale)?),
+            Evidence::Joint(noise) => Evidence::Joint(Box::new(noise.scaled(scale)?)),
             Evidence::Faces(terms) => {
                 let root_share = terms.root_share * scale.sqrt();
                 Evidence::Faces(Box::new(FaceTerms { root_share, ..*terms }))
