@@ -87,10 +87,7 @@ impl<const N: usize> Noise<N> {
     /// # Errors
     /// When the scale is not a positive finite number.
     pub fn scaled(self, scale: f64) -> Result<Self, NoiseError> {
-        if !(scale.is_finite() && scale > 0.0) {
-            return Err(NoiseError::Scale { scale });
-        }
-        Ok(Self { square_root: self.square_root * scale.sqrt() })
+        Ok(Self { square_root: self.square_root * NoiseError::root_of_scale(scale)? })
     }
 
     /// The lower triangular `W` with `W^T W` = information.
@@ -115,6 +112,11 @@ impl<const N: usize> Noise<N> {
 }
 
 impl NoiseError {
+    /// `sqrt(scale)`, by which residuals grow, if information can be scaled by `scale`.
+    pub(super) fn root_of_scale(scale: f64) -> Result<f64, Self> {
+        if scale.is_finite() && scale > 0.0 { Ok(scale.sqrt()) } else { Err(Self::Scale { scale }) }
+    }
+
     /// `1 / value`, if `value` is a standard deviation.
     pub(super) fn inverse_of_sigma(index: usize, value: f64) -> Result<f64, Self> {
         let is_sigma = value.is_finite() && value > 0.0;

@@ -20,7 +20,7 @@ pub(super) struct Look {
     pub(super) variance: f64,
     /// Where the robot was in the map.
     pub(super) eye: Point3<f64>,
-    /// How many looks there had been before.
+    /// Its number, counted from one.
     order: u32,
 }
 
@@ -60,7 +60,7 @@ impl Looks {
     }
 
     /// Since which look the object has been elsewhere, and where, if it was pushed: a change-point test (Page 1954) with a
-    /// window. The latest looks come from two places or are many, agree with one another, and are farther off than errors
+    /// window. The latest looks come from two places, agree with one another, and are farther off than errors
     /// are from what was seen of it from the same side before, or else from the estimate. `known` is its centre with the
     /// larger horizontal variance.
     pub(super) fn change(&self, known: (Point3<f64>, f64)) -> Option<(u32, Vector2<f64>)> {

@@ -1,23 +1,13 @@
 //! The latest colour images, until boxes come that were found in one of them.
 
 use crate::{
-    msg::{
-        convert::{ConvertError, RgbImage, color_image, compressed_color_image},
-        sensor_msgs::{CompressedImage, Image},
-    },
+    msg::convert::{ColorMessage, RgbImage},
     time::Stamp,
 };
 use std::{
     collections::VecDeque,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
-
-/// A colour image as it came: only those that are drawn into are decoded.
-#[derive(Clone)]
-pub(super) enum ColorMessage {
-    Raw(Image),
-    Compressed(CompressedImage),
-}
 
 /// Shared between the subscription and the worker.
 #[derive(Clone, Default)]
@@ -53,28 +43,5 @@ impl ColorImages {
     fn lock(&self) -> MutexGuard<'_, VecDeque<Arc<ColorMessage>>> {
         // Images stay images, whoever panicked while it held the lock.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl ColorMessage {
-    pub(super) fn stamp(&self) -> Stamp {
-        match self {
-            Self::Raw(image) => image.header.stamp.into(),
-            Self::Compressed(image) => image.header.stamp.into(),
-        }
-    }
-
-    pub(super) fn frame_id(&self) -> &str {
-        match self {
-            Self::Raw(image) => &image.header.frame_id,
-            Self::Compressed(image) => &image.header.frame_id,
-        }
-    }
-
-    pub(super) fn decoded(&self) -> Result<RgbImage, ConvertError> {
-        match self {
-            Self::Raw(image) => color_image(image),
-            Self::Compressed(image) => compressed_color_image(image),
-        }
     }
 }

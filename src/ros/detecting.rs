@@ -1,9 +1,9 @@
 //! A detector of our own, on a thread of its own: it looks at the newest colour image whenever it has time.
 
-use super::{color::ColorMessage, inbox::Inbox, status::Shared, status::now};
+use super::{inbox::Inbox, status::Shared, status::now};
 use crate::{
     config::NodeSettings,
-    msg::convert::{ConvertError, FindBoxes},
+    msg::convert::{ColorMessage, ConvertError, FindBoxes},
     pipeline::{DetectionsMessage, Input},
 };
 use std::{

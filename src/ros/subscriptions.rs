@@ -1,7 +1,7 @@
 //! From topics to the worker's inbox.
 
 use super::{
-    color::{ColorImages, ColorMessage},
+    color::ColorImages,
     detecting::NewestImage,
     inbox::Inbox,
     node::NotCreated,
@@ -13,7 +13,7 @@ use crate::{
     config::{DepthTransport, DetectionsType, NodeSettings, Qos, RgbTransport, RosArguments},
     msg::{
         Message,
-        convert::{self, ConvertError, is_rectified, without_transport},
+        convert::{self, ColorMessage, ConvertError, is_rectified, without_transport},
         nav_msgs::Odometry,
         sensor_msgs::{CameraInfo, CompressedImage, Image},
         tf2_msgs::TFMessage,

@@ -125,13 +125,10 @@ impl EllipsoidObservation {
     /// # Errors
     /// When the scale is not a positive finite number.
     pub fn scaled(self, scale: f64) -> Result<Self, NoiseError> {
-        if !(scale.is_finite() && scale > 0.0) {
-            return Err(NoiseError::Scale { scale });
-        }
         let evidence = match self.evidence {
             Evidence::Joint(noise) => Evidence::Joint(Box::new(noise.scaled(scale)?)),
             Evidence::Faces(terms) => {
-                let root_share = terms.root_share * scale.sqrt();
+                let root_share = terms.root_share * NoiseError::root_of_scale(scale)?;
                 Evidence::Faces(Box::new(FaceTerms { root_share, ..*terms }))
             }
         };
