@@ -1,17 +1,19 @@
 //! What is there, what is hidden and what is gone, by made-up depth images.
 
-use super::{independent, observation, slam_settings};
+use super::{
+    forward_camera::{near_face, sighted},
+    independent, observation, slam_settings,
+};
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Ellipsoid, Pose, Rect},
     mapping::{
         LifeSettings, MappingSettings, Notice, ObjectChange, ObjectId, ObjectMap, ObjectState,
-        Observation, Sighted, Sighting, View,
+        Observation, Sighted,
     },
-    perception::{DepthImage, DepthNoise},
+    perception::DepthImage,
     time::Stamp,
 };
-use nalgebra::{UnitQuaternion, Vector3};
-use std::f64::consts::FRAC_PI_2;
+use nalgebra::Vector3;
 
 /// A camera at a height of half a metre that looks along x, and a cabinet 2 m before it; a wall 4 m off.
 struct Room {
@@ -20,11 +22,6 @@ struct Room {
     frames: u32,
     score: f64,
     later_s: f64,
-}
-
-fn base_from_camera() -> Pose {
-    let rotation = UnitQuaternion::from_euler_angles(-FRAC_PI_2, 0.0, -FRAC_PI_2);
-    Pose::from_parts(nalgebra::Translation3::new(0.0, 0.0, 0.5), rotation)
 }
 
 fn cabinet(y: f64) -> Ellipsoid {
@@ -42,18 +39,6 @@ impl Room {
             score: 0.9,
             later_s: 0.0,
         }
-    }
-
-    /// What the cabinet's box in the image is, with the sides of its near face.
-    fn rect(&self, body: &Ellipsoid) -> Rect {
-        let camera_from_base = base_from_camera().inverse();
-        let at = |y: f64, z: f64| {
-            let near = body.center() + Vector3::new(-body.semi_axes.x, y, z);
-            self.camera.project(&(camera_from_base * near)).unwrap()
-        };
-        let (low, high) =
-            (at(body.semi_axes.y, body.semi_axes.z), at(-body.semi_axes.y, -body.semi_axes.z));
-        Rect::new(low.x, low.y, high.x, high.y).unwrap()
     }
 
     /// A frame with these boxes, in which depth is nearest of the given things: 4 m where there is nothing.
@@ -79,31 +64,18 @@ impl Room {
             let e = in_base(measured);
             let seen = observation("cabinet", e, independent(&e, 0.05, 0.03, 0.02));
             let labels = vec![("cabinet".to_owned(), self.score)];
-            Observation { rect: Some(self.rect(&in_base(boxed))), labels, ..seen }
+            Observation { rect: Some(near_face(&self.camera, &in_base(boxed))), labels, ..seen }
         });
         let observations = observations.collect();
         self.frames += 1;
-        let sighted = self.map.observe(&Sighting {
-            stamp: Stamp::from_secs(f64::from(self.frames) + self.later_s),
-            odom_from_base,
-            odometry_covariance: None,
-            observations,
-            walls: Vec::new(),
-            view: Some(View {
-                base_from_camera: base_from_camera(),
-                camera: &self.camera,
-                depth: &depth,
-                noise: DepthNoise::default(),
-                max_range_m: 5.0,
-            }),
-        });
-        assert_eq!(sighted.refused, None);
-        sighted
+        let stamp = Stamp::from_secs(f64::from(self.frames) + self.later_s);
+        let image = (&self.camera, &depth);
+        sighted(&mut self.map, image, (stamp, odom_from_base), observations)
     }
 
     /// Shows two cabinets until both count. Returns what depth sees of them.
     fn with_both(&mut self, one: Ellipsoid, other: Ellipsoid) -> [(Rect, f32); 2] {
-        let things = [one, other].map(|body| (self.rect(&body), 2.0));
+        let things = [one, other].map(|body| (near_face(&self.camera, &body), 2.0));
         for _ in 0..8 {
             self.look(&[one, other], &things);
         }
@@ -113,7 +85,7 @@ impl Room {
     fn with_cabinet(&mut self) {
         let body = cabinet(0.0);
         for _ in 0..8 {
-            let thing = (self.rect(&body), 2.0);
+            let thing = (near_face(&self.camera, &body), 2.0);
             self.look(&[body], &[thing]);
         }
         assert_eq!(self.map.confirmed().count(), 1);
@@ -125,7 +97,7 @@ fn what_stands_there_and_is_missed_loses_belief_slowly() {
     let mut room = Room::new(LifeSettings::default());
     room.with_cabinet();
     let before = room.map.all()[0].existence();
-    let thing = (room.rect(&cabinet(0.0)), 2.0);
+    let thing = (near_face(&room.camera, &cabinet(0.0)), 2.0);
     for _ in 0..5 {
         assert_eq!(room.look(&[], &[thing]), []);
     }
@@ -183,7 +155,7 @@ fn an_image_without_depth_says_nothing() {
 fn a_false_detection_never_counts() {
     let mut room = Room::new(LifeSettings::default());
     let ghost = cabinet(0.0);
-    let thing = (room.rect(&ghost), 2.0);
+    let thing = (near_face(&room.camera, &ghost), 2.0);
     room.look(&[ghost], &[thing]);
     for _ in 0..20 {
         assert_eq!(room.map.confirmed().count(), 0);
@@ -200,7 +172,7 @@ fn what_was_moved_keeps_its_identity_or_not_as_one_likes() {
         room.with_cabinet();
         let body = cabinet(-0.8);
         for _ in 0..8 {
-            let thing = (room.rect(&body), 2.0);
+            let thing = (near_face(&room.camera, &body), 2.0);
             room.look(&[body], &[thing]);
         }
         let ids: Vec<ObjectId> = room.map.confirmed().map(|object| object.id).collect();
@@ -215,7 +187,7 @@ fn what_was_moved_keeps_its_identity_or_not_as_one_likes() {
 fn misses_never_raise_belief_however_many() {
     let mut room = Room::new(LifeSettings::default());
     room.with_cabinet();
-    let thing = (room.rect(&cabinet(0.0)), 2.0);
+    let thing = (near_face(&room.camera, &cabinet(0.0)), 2.0);
     let mut last = room.map.all()[0].existence();
     for _ in 0..600 {
         room.look(&[], &[thing]);
@@ -232,7 +204,7 @@ fn where_most_seems_gone_at_once_nothing_is() {
     let mut room = Room::new(LifeSettings::default());
     let bodies = [0.8, 0.0, -0.8]
         .map(|y| Ellipsoid::new(Pose::translation(2.2, y, 0.5), Vector3::new(0.2, 0.2, 0.4)));
-    let things = bodies.map(|body| (room.rect(&body), 2.0));
+    let things = bodies.map(|body| (near_face(&room.camera, &body), 2.0));
     for _ in 0..8 {
         room.look(&bodies, &things);
     }
@@ -255,7 +227,7 @@ fn boxes_of_a_low_score_hardly_prove_anything() {
         room.score = score;
         let body = cabinet(0.0);
         for _ in 0..6 {
-            let thing = (room.rect(&body), 2.0);
+            let thing = (near_face(&room.camera, &body), 2.0);
             room.look(&[body], &[thing]);
         }
         room.map.confirmed().count()
@@ -274,7 +246,7 @@ fn identities_of_what_left_long_ago_are_not_given_again() {
         room.later_s += wait_s;
         let body = cabinet(-0.8);
         for _ in 0..8 {
-            let thing = (room.rect(&body), 2.0);
+            let thing = (near_face(&room.camera, &body), 2.0);
             room.look(&[body], &[thing]);
         }
         let ids: Vec<ObjectId> = room.map.confirmed().map(|object| object.id).collect();
@@ -304,7 +276,7 @@ fn what_its_boxes_contradict_more_often_than_they_fit_begins_anew() {
     let mut room = Room::new(LifeSettings::default());
     let whole = cabinet(0.0);
     let part = Ellipsoid::new(Pose::translation(2.2, 0.12, 0.3), Vector3::new(0.2, 0.15, 0.2));
-    let thing = (room.rect(&whole), 2.0);
+    let thing = (near_face(&room.camera, &whole), 2.0);
     for _ in 0..6 {
         room.look(&[part], &[thing]);
     }
@@ -329,7 +301,7 @@ fn what_is_missed_where_another_one_is_found_is_gone_soon() {
         let whole = cabinet(0.0);
         let ghost =
             Ellipsoid::new(Pose::translation(1.9, 0.0, 0.5), Vector3::new(0.12, 0.25, 0.35));
-        let thing = (room.rect(&whole), 2.0);
+        let thing = (near_face(&room.camera, &whole), 2.0);
         for _ in 0..8 {
             room.look(&[whole, ghost], &[thing]);
         }

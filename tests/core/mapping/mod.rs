@@ -3,6 +3,7 @@
 mod association;
 mod coverage;
 mod drift;
+mod forward_camera;
 mod fusion;
 mod generations;
 mod glimpses;

@@ -1,16 +1,18 @@
 //! Chairs that somebody pushes, after they were seen for long.
 
-use super::{independent, normal, observation};
+use super::{
+    forward_camera::{near_face, sighted},
+    independent, normal, observation,
+};
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Ellipsoid, Outline, Pose, Rect},
-    mapping::{MappingSettings, ObjectId, ObjectMap, Observation, Sighting, SlamSettings, View},
-    perception::{DepthImage, DepthNoise},
+    mapping::{MappingSettings, ObjectId, ObjectMap, Observation, SlamSettings},
+    perception::DepthImage,
     time::Stamp,
 };
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use std::f64::consts::FRAC_PI_2;
 
 const WIDTH: u32 = 160;
 const HEIGHT: u32 = 120;
@@ -22,11 +24,6 @@ struct Watch {
     things: Vec<(&'static str, Ellipsoid)>,
     looks: u32,
     rng: ChaCha8Rng,
-}
-
-fn base_from_camera() -> Pose {
-    let rotation = UnitQuaternion::from_euler_angles(-FRAC_PI_2, 0.0, -FRAC_PI_2);
-    Pose::from_parts(nalgebra::Translation3::new(0.0, 0.0, 0.5), rotation)
 }
 
 fn chair(y: f64) -> Ellipsoid {
@@ -51,15 +48,8 @@ impl Watch {
 
     /// The near face's box in the image, and how far off it is.
     fn face(&self, body: &Ellipsoid) -> (Rect, f32) {
-        let camera_from_base = base_from_camera().inverse();
-        let at = |y: f64, z: f64| {
-            let near = body.center() + Vector3::new(-body.semi_axes.x, y, z);
-            self.camera.project(&(camera_from_base * near)).unwrap()
-        };
-        let half = body.semi_axes;
-        let (low, high) = (at(half.y, half.z), at(-half.y, -half.z));
-        let depth = body.center().x - half.x;
-        (Rect::new(low.x, low.y, high.x, high.y).unwrap(), depth as f32)
+        let depth = body.center().x - body.semi_axes.x;
+        (near_face(&self.camera, body), depth as f32)
     }
 
     fn look(&mut self) {
@@ -87,21 +77,9 @@ impl Watch {
         }
         let depth = DepthImage::new(WIDTH, HEIGHT, metres).unwrap();
         self.looks += 1;
-        let sighted = self.map.observe(&Sighting {
-            stamp: Stamp::from_secs(0.2 * f64::from(self.looks)),
-            odom_from_base,
-            odometry_covariance: None,
-            observations,
-            walls: Vec::new(),
-            view: Some(View {
-                base_from_camera: base_from_camera(),
-                camera: &self.camera,
-                depth: &depth,
-                noise: DepthNoise::default(),
-                max_range_m: 5.0,
-            }),
-        });
-        assert_eq!(sighted.refused, None);
+        let stamp = Stamp::from_secs(0.2 * f64::from(self.looks));
+        let image = (&self.camera, &depth);
+        sighted(&mut self.map, image, (stamp, odom_from_base), observations);
     }
 
     fn chairs(&self) -> Vec<(ObjectId, f64)> {
