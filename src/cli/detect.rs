@@ -19,7 +19,7 @@ use std::{collections::BTreeSet, path::PathBuf, time::Duration};
 /// Find 2D boxes in the colour images of a bag with an ONNX model, and write the bag with them.
 #[derive(Debug, Parser)]
 pub(super) struct Args {
-    /// An `.mcap` file or a rosbag2 folder.
+    /// An `.mcap` or `.db3` file or a rosbag2 folder.
     bag: PathBuf,
     #[command(flatten)]
     detector: DetectorArgs,

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Say which topics of a bag would be used for what, how well they fit and what is missing.
 #[derive(Debug, Parser)]
 pub(super) struct Args {
-    /// An `.mcap` file or a rosbag2 folder.
+    /// An `.mcap` or `.db3` file or a rosbag2 folder.
     bag: PathBuf,
     #[command(flatten)]
     parameters: ParameterArgs,

@@ -11,7 +11,7 @@ use std::{path::PathBuf, thread, time::Duration};
 /// Publish a bag's messages on ROS 2, so that nobody needs a ROS installation to try the node.
 #[derive(Debug, Parser)]
 pub(super) struct Args {
-    /// An `.mcap` file or a rosbag2 folder.
+    /// An `.mcap` or `.db3` file or a rosbag2 folder.
     bag: PathBuf,
     /// How much faster than it was recorded.
     #[arg(long, value_name = "R", default_value_t = 1.0)]

@@ -31,7 +31,7 @@ use std::{
 /// Run on a bag: as fast as it can, deterministic.
 #[derive(Clone, Debug, Parser)]
 pub(super) struct Args {
-    /// An `.mcap` file or a rosbag2 folder.
+    /// An `.mcap` or `.db3` file or a rosbag2 folder.
     pub(super) bag: PathBuf,
     #[command(flatten)]
     pub(super) parameters: ParameterArgs,

@@ -7,16 +7,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The MCAP files of a bag, in order: the file itself, or those of a rosbag2 folder.
-pub(super) fn mcap_files(path: &Path) -> Result<Vec<PathBuf>, BagError> {
+/// The files of a bag, in order: the file itself, or those of a rosbag2 folder.
+pub(super) fn bag_files(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     let meta = fs::metadata(path).map_err(|source| unreadable(path, source))?;
     if !meta.is_dir() {
-        return match path.extension() {
-            Some(extension) if extension == "db3" => {
-                Err(BagError::Sqlite { path: path.to_owned() })
-            }
-            _ => Ok(vec![path.to_owned()]),
-        };
+        return Ok(vec![path.to_owned()]);
     }
     let metadata = path.join("metadata.yaml");
     if metadata.is_file() { listed_files(path, &metadata) } else { present_files(path) }
@@ -39,44 +34,41 @@ fn listed_files(folder: &Path, metadata: &Path) -> Result<Vec<PathBuf>, BagError
         BagError::BadMetadata { path: metadata.to_owned(), problem }
     })?;
     let bag = parsed.rosbag2_bagfile_information;
-    if bag.storage_identifier == "sqlite3" {
-        return Err(BagError::Sqlite { path: folder.to_owned() });
-    }
-    if bag.compression_mode.eq_ignore_ascii_case("message") {
-        return Err(BagError::MessageCompression { path: folder.to_owned() });
-    }
     if bag.relative_file_paths.is_empty() {
-        return Err(BagError::NoMcapInFolder { path: folder.to_owned() });
+        return Err(BagError::NoBagInFolder { path: folder.to_owned() });
     }
     bag.relative_file_paths.iter().map(|name| listed_file(folder, name)).collect()
 }
 
 /// A listed file; where it is not there, the one of that name in the folder itself (early rosbag2 wrote the path
-/// as seen from outside).
+/// as seen from outside), or what was made of it by compression.
 fn listed_file(folder: &Path, name: &str) -> Result<PathBuf, BagError> {
     let listed = folder.join(name);
     let beside = Path::new(name).file_name().map(|name| folder.join(name));
-    [Some(listed.clone()), beside]
+    let packed = folder.join(format!("{name}.zstd"));
+    [Some(listed.clone()), beside, Some(packed)]
         .into_iter()
         .flatten()
         .find(|path| path.is_file())
         .ok_or(BagError::NotFound { path: listed })
 }
 
-/// All MCAP files of a folder, by name.
+/// All files of a folder that are bags of one kind, compressed ones too, by name.
 fn present_files(folder: &Path) -> Result<Vec<PathBuf>, BagError> {
     let entries = fs::read_dir(folder).map_err(|source| unreadable(folder, source))?;
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     paths.sort();
-    let with = |extension: &str| {
-        let found = paths.iter().filter(|p| p.extension().is_some_and(|e| e == extension));
-        found.cloned().collect::<Vec<_>>()
+    let of_kind = |kind: &&str| {
+        let is = |path: &&PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            name.trim_end_matches(".zstd").ends_with(kind)
+        };
+        paths.iter().filter(is).cloned().collect::<Vec<_>>()
     };
-    match (with("mcap"), with("db3")) {
-        (mcap, _) if !mcap.is_empty() => Ok(mcap),
-        (_, sqlite) if !sqlite.is_empty() => Err(BagError::Sqlite { path: folder.to_owned() }),
-        _ => Err(BagError::NoMcapInFolder { path: folder.to_owned() }),
-    }
+    // Those of ROS 1 are refused by name when they are opened.
+    let kinds = [".mcap", ".db3", ".bag"];
+    let found = kinds.iter().map(of_kind).find(|files| !files.is_empty());
+    found.ok_or(BagError::NoBagInFolder { path: folder.to_owned() })
 }
 
 /// What matters here of rosbag2's `metadata.yaml`.
@@ -88,9 +80,5 @@ struct Metadata {
 #[derive(Deserialize)]
 struct BagInformation {
     #[serde(default)]
-    storage_identifier: String,
-    #[serde(default)]
     relative_file_paths: Vec<String>,
-    #[serde(default)]
-    compression_mode: String,
 }

@@ -1,11 +1,16 @@
 //! Bags as a stream of messages in the order of their log time.
 
 use super::{
-    BagError, BagWarning, Damage, bag_folder,
-    mcap_file::{self, McapFile, Span, damage, visit_records},
+    BagError, BagWarning, Damage,
+    bag_file::BagFile,
+    bag_folder,
+    mcap_file::{self, MAX_RECORD_BYTES, Span, damage, visit_records},
+    sqlite_file::{self, Row, read_rows},
+    unpacked::unpacked_message,
 };
 use crate::time::Stamp;
 use mcap::records::Record;
+use rusqlite::Connection;
 use serde::Serialize;
 use std::{
     cmp::Reverse,
@@ -15,10 +20,10 @@ use std::{
     sync::Arc,
 };
 
-/// A bag that has been opened: one MCAP file or those of a rosbag2 folder.
+/// A bag that has been opened: one file or those of a rosbag2 folder.
 #[derive(Debug)]
 pub struct BagReader {
-    files: Vec<McapFile>,
+    files: Vec<BagFile>,
     topics: Vec<Topic>,
 }
 
@@ -49,14 +54,14 @@ pub struct RawMessage {
 }
 
 impl BagReader {
-    /// Opens an `.mcap` file or a rosbag2 folder.
+    /// Opens an `.mcap` or `.db3` file or a rosbag2 folder, also where rosbag2 compressed it.
     ///
     /// # Errors
-    /// When there is no MCAP file or it cannot be read. Damage is a warning, not an error.
+    /// When there is no such file or it cannot be read. Damage is a warning, not an error.
     pub fn open(path: &Path) -> Result<Self, BagError> {
-        let paths = bag_folder::mcap_files(path)?;
-        let files: Vec<McapFile> =
-            paths.iter().map(|path| McapFile::open(path)).collect::<Result<_, _>>()?;
+        let paths = bag_folder::bag_files(path)?;
+        let files: Vec<BagFile> =
+            paths.iter().map(|path| BagFile::open(path)).collect::<Result<_, _>>()?;
         let topics = topics_of(&files);
         Ok(Self { files, topics })
     }
@@ -86,7 +91,7 @@ impl BagReader {
 
     /// All messages in the order of their log time, or in that of the files where it is the same.
     pub fn messages(&self) -> Messages<'_> {
-        let of_file = |(file, mcap): (usize, &McapFile)| {
+        let of_file = |(file, mcap): (usize, &BagFile)| {
             mcap.spans.iter().map(|span| PendingSpan { file, span: *span }).collect::<Vec<_>>()
         };
         let mut pending: Vec<PendingSpan> =
@@ -98,6 +103,7 @@ impl BagReader {
             pending,
             ready: BinaryHeap::new(),
             open: None,
+            database: None,
             warnings: Vec::new(),
         }
     }
@@ -114,6 +120,7 @@ pub struct Messages<'a> {
     pending: Vec<PendingSpan>,
     ready: BinaryHeap<Reverse<Ready>>,
     open: Option<(usize, File)>,
+    database: Option<(usize, Connection)>,
     warnings: Vec<BagWarning>,
 }
 
@@ -167,6 +174,9 @@ impl<'a> Messages<'a> {
 
     fn load(&mut self, next: PendingSpan) -> Result<(), Damage> {
         let PendingSpan { file, span } = next;
+        if self.bag.files[file].rows.is_some() {
+            return self.load_rows(next);
+        }
         let mut handle = match self.open.take() {
             Some((open, handle)) if open == file => handle,
             _ => self.reopen(&next)?,
@@ -204,14 +214,45 @@ impl<'a> Messages<'a> {
         }
     }
 
+    /// The same of a file in SQLite storage.
+    fn load_rows(&mut self, PendingSpan { file, span }: PendingSpan) -> Result<(), Damage> {
+        let source = &self.bag.files[file];
+        let database = match self.database.take() {
+            Some((open, database)) if open == file => database,
+            _ => sqlite_file::connect(&source.data)
+                .map_err(|e| Damage::Rows { problem: e.to_string() })?,
+        };
+        let first = span.offset as usize;
+        let rows = source.rows.iter().flatten().skip(first).take(span.bytes as usize);
+        let only = &self.only;
+        let wanted = |channel: &u16| {
+            let topic = source.channels.get(channel).map(|channel| &channel.topic);
+            topic.is_some_and(|name| only.as_ref().is_none_or(|only| only.contains(&**name)))
+        };
+        let rows: Vec<Row> = rows.filter(|row| wanted(&row.channel)).copied().collect();
+        let ready = &mut self.ready;
+        let outcome = read_rows(&database, &rows, |row, data| {
+            ready.push(Reverse(Ready {
+                log_time: row.time,
+                file,
+                offset: span.offset,
+                index: ready.len(),
+                channel_id: row.channel,
+                data: data.to_vec(),
+            }));
+        });
+        self.database = Some((file, database));
+        outcome
+    }
+
     fn reopen(&self, next: &PendingSpan) -> Result<File, Damage> {
-        let opened = mcap_file::open(&self.bag.files[next.file].path);
+        let opened = mcap_file::open(&self.bag.files[next.file].data);
         opened.map(|(file, _)| file).map_err(|e| damage(&next.span, &e.into()))
     }
 }
 
 impl PendingSpan {
-    fn is_last_of(&self, file: &McapFile) -> bool {
+    fn is_last_of(&self, file: &BagFile) -> bool {
         file.spans.iter().all(|span| span.offset <= self.span.offset)
     }
 }
@@ -228,7 +269,7 @@ impl Iterator for Messages<'_> {
             topic: channel.topic.clone(),
             type_name: channel.type_name.clone(),
             log_time: stamp_of(ready.log_time),
-            data: ready.data,
+            data: unpacked_message(ready.data, MAX_RECORD_BYTES),
         })
     }
 }
@@ -238,7 +279,7 @@ fn is_cut(damage: &Damage) -> bool {
 }
 
 /// The topics of all files together, by name.
-fn topics_of(files: &[McapFile]) -> Vec<Topic> {
+fn topics_of(files: &[BagFile]) -> Vec<Topic> {
     let mut messages: BTreeMap<(String, String, String), u64> = BTreeMap::new();
     for channel in files.iter().flat_map(|file| file.channels.values()) {
         let key = [&channel.topic, &channel.type_name, &channel.encoding].map(|s| s.to_string());

@@ -21,45 +21,53 @@ pub enum BagError {
         source: io::Error,
     },
     /// Another kind of file.
-    #[error("{} is not an MCAP file", path.display())]
+    #[error("{} is neither an MCAP file nor one in SQLite storage", path.display())]
     NotMcap {
         /// The file.
         path: PathBuf,
     },
-    /// A folder without MCAP files.
-    #[error("{} contains no .mcap file", path.display())]
-    NoMcapInFolder {
+    /// A folder without files of a bag.
+    #[error("{} contains no .mcap or .db3 file", path.display())]
+    NoBagInFolder {
         /// The folder.
         path: PathBuf,
     },
-    /// rosbag2's other storage.
-    #[error(
-        "{} is a bag in SQLite storage, which is not supported: convert it to MCAP with `ros2 bag convert`",
-        path.display()
-    )]
-    Sqlite {
-        /// The folder or file.
-        path: PathBuf,
-    },
-    /// rosbag2 compressed each message by itself.
-    #[error(
-        "{} is compressed message by message, which is not supported: convert it with `ros2 bag convert`, \
-         or record with `--storage-preset-profile zstd_fast`",
-        path.display()
-    )]
-    MessageCompression {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// rosbag2 compressed the file as a whole.
-    #[error(
-        "{} is compressed as a whole, which is not supported: decompress it with `zstd -d` or convert the bag with \
-         `ros2 bag convert`",
-        path.display()
-    )]
-    FileCompression {
+    /// A database of something else.
+    #[error("{} is an SQLite file, but not a bag of rosbag2: it has no tables `topics` and `messages`", path.display())]
+    NotRosbag2 {
         /// The file.
         path: PathBuf,
+    },
+    /// Another program keeps the file to itself.
+    #[error("{} is being written by another program: stop the recording first", path.display())]
+    Busy {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A database that cannot be read.
+    #[error("{} cannot be read as SQLite: {problem}", path.display())]
+    BadDatabase {
+        /// The file.
+        path: PathBuf,
+        /// What SQLite met.
+        problem: String,
+    },
+    /// A bag of ROS 1.
+    #[error(
+        "{0} is a bag of ROS 1: convert it with `pip install rosbags` and `rosbags-convert --src {0} --dst FOLDER`",
+        path.display()
+    )]
+    Ros1 {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Compressed as a whole, and damaged or too large.
+    #[error("{} cannot be decompressed: {problem}", path.display())]
+    NotUnpacked {
+        /// The file.
+        path: PathBuf,
+        /// What was met.
+        problem: String,
     },
     /// `metadata.yaml` is not what rosbag2 writes.
     #[error("{}: {problem}", path.display())]
@@ -105,6 +113,11 @@ pub enum Damage {
         /// What the file calls it.
         name: String,
     },
+    /// Rows of a database that cannot be read.
+    Rows {
+        /// What SQLite met.
+        problem: String,
+    },
     /// Bytes that are not what they should be.
     Corrupt {
         /// First byte of the part.
@@ -137,6 +150,9 @@ impl fmt::Display for BagWarning {
                 "{path} is compressed with `{name}`, which is not supported (zstd and lz4 are): what is compressed so \
                  is not read"
             ),
+            Damage::Rows { problem } => {
+                write!(f, "{path} is damaged: {problem}; messages there are lost")
+            }
             Damage::Corrupt { at_byte, bytes, problem } => write!(
                 f,
                 "{path} is damaged between byte {at_byte} and byte {end}: {problem}; messages there may be lost",

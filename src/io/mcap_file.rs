@@ -1,6 +1,11 @@
 //! One MCAP file: where its messages lie, and reading a part of it.
 
-use super::{BagError, BagWarning, Damage, bag_folder::unreadable, mcap_scan};
+use super::{
+    BagError, Damage,
+    bag_file::Contents,
+    bag_folder::unreadable,
+    mcap_scan::{self, Scan},
+};
 use mcap::{
     McapError,
     records::Record,
@@ -13,7 +18,7 @@ use std::{
     collections::BTreeMap,
     fs::File,
     io::{self, Read, Seek, SeekFrom},
-    path::{Path, PathBuf},
+    path::Path,
     sync::Arc,
 };
 
@@ -21,18 +26,6 @@ use std::{
 pub(super) const MAX_RECORD_BYTES: usize = 1 << 27;
 /// How much is read at once.
 const READ_BYTES: usize = 1 << 18;
-
-/// First bytes of a file that zstd compressed.
-const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
-
-/// Where the messages of a file lie.
-#[derive(Debug)]
-pub(super) struct McapFile {
-    pub(super) path: PathBuf,
-    pub(super) channels: Channels,
-    pub(super) spans: Vec<Span>,
-    pub(super) warnings: Vec<BagWarning>,
-}
 
 /// Channels by id.
 pub(super) type Channels = BTreeMap<u16, Channel>;
@@ -60,33 +53,21 @@ pub(super) struct Span {
     pub(super) bytes: u64,
 }
 
-impl McapFile {
-    /// Finds the messages by the file's index, or by reading all of it where it has none.
-    pub(super) fn open(path: &Path) -> Result<Self, BagError> {
-        let (mut file, bytes) = open(path).map_err(|source| unreadable(path, source))?;
-        let mut magic = [0; mcap::MAGIC.len()];
-        if file.read_exact(&mut magic).is_err() || magic != mcap::MAGIC {
-            let path = path.to_owned();
-            return Err(match magic.starts_with(ZSTD_MAGIC) {
-                true => BagError::FileCompression { path },
-                false => BagError::NotMcap { path },
-            });
-        }
-        let failed = |source| BagError::Io { path: path.to_owned(), source };
-        let is_intact = has_intact_summary(&mut file, bytes).map_err(failed)?;
-        if is_intact && let Some((channels, spans)) = indexed(&mut file, bytes) {
-            return Ok(Self { path: path.to_owned(), channels, spans, warnings: Vec::new() });
-        }
-        let scan = mcap_scan::scan(&mut file, bytes).map_err(failed)?;
-        let damage = (!is_intact).then_some(Damage::Index).into_iter().chain(scan.damage);
-        let warning = |damage| BagWarning { path: path.to_owned(), damage };
-        Ok(Self {
-            path: path.to_owned(),
-            channels: scan.channels,
-            spans: scan.spans,
-            warnings: damage.map(warning).collect(),
-        })
+/// Finds the messages of a file, which its user knows as `name`, by its index, or by reading all of it where it has none.
+pub(super) fn contents(path: &Path, name: &Path) -> Result<Contents, BagError> {
+    let (mut file, bytes) = open(path).map_err(|source| unreadable(name, source))?;
+    let mut magic = [0; mcap::MAGIC.len()];
+    if file.read_exact(&mut magic).is_err() || magic != mcap::MAGIC {
+        return Err(BagError::NotMcap { path: name.to_owned() });
     }
+    let failed = |source| BagError::Io { path: name.to_owned(), source };
+    let is_intact = has_intact_summary(&mut file, bytes).map_err(failed)?;
+    if is_intact && let Some((channels, spans)) = indexed(&mut file, bytes) {
+        return Ok(Contents { channels, spans, ..Contents::default() });
+    }
+    let Scan { channels, spans, damage } = mcap_scan::scan(&mut file, bytes).map_err(failed)?;
+    let damage = (!is_intact).then_some(Damage::Index).into_iter().chain(damage).collect();
+    Ok(Contents { channels, spans, damage, rows: None })
 }
 
 /// A file and its length.

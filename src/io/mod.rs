@@ -1,6 +1,7 @@
 //! Files: bags in and out, and files that are either whole or not there.
 
 mod atomic;
+mod bag_file;
 mod bag_folder;
 mod bag_input;
 mod bag_reader;
@@ -13,8 +14,10 @@ mod map_file;
 mod mcap_file;
 mod mcap_scan;
 mod roles;
+mod sqlite_file;
 mod trajectory;
 mod tum_folder;
+mod unpacked;
 
 pub use atomic::{remove_unfinished, write_atomically};
 pub use bag_input::{BagInput, InputError, Inputs};

@@ -95,7 +95,7 @@ fn files_that_are_no_bags() {
     refused(&missing, &["missing.mcap"]);
     let text = folder.path().join("text.mcap");
     fs::write(&text, "this is not a bag, though it is long enough to be looked at").unwrap();
-    refused(&text, &["text.mcap", "not"]);
+    refused(&text, &["text.mcap", "neither an MCAP file nor"]);
     let empty = folder.path().join("empty.mcap");
     fs::write(&empty, "").unwrap();
     refused(&empty, &["empty.mcap"]);

@@ -15,4 +15,5 @@ mod python;
 mod replay;
 mod report;
 mod second_visit;
+mod storages;
 mod run;

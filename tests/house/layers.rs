@@ -59,6 +59,8 @@ const HOMES: &[(&str, &[&str])] = &[
     ("faer", &["graph"]),
     ("parry3d", &["geometry", "sim", "mapping"]),
     ("mcap", &["io"]),
+    ("rusqlite", &["io"]),
+    ("zstd", &["io"]),
     ("rten", &["detector"]),
     ("rten_tensor", &["detector"]),
     ("plotters", &["cli"]),

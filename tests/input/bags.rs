@@ -141,9 +141,8 @@ fn what_is_no_bag_is_refused_in_a_sentence() {
     with("empty.mcap", b"");
     with("whole.mcap.zstd", &[0x28, 0xb5, 0x2f, 0xfd, 0, 0, 0, 0, 0]);
     with("bag.db3", b"SQLite format 3");
+    with("broken.db3", b"SQLite format 3\0 and then nothing of it");
     for (name, metadata) in [
-        ("sqlite", METADATA.replace("storage_identifier: mcap", "storage_identifier: sqlite3")),
-        ("packed", METADATA.replace("compression_mode: \"\"", "compression_mode: MESSAGE")),
         ("lost", METADATA.to_owned()),
         ("broken", "rosbag2_bagfile_information: [".to_owned()),
         ("none", METADATA.split("  relative").next().unwrap().to_owned()),
@@ -156,17 +155,16 @@ fn what_is_no_bag_is_refused_in_a_sentence() {
     with("old/old_0.db3", b"SQLite format 3");
     let cases = [
         ("absent.mcap", "no such file or folder"),
-        ("garbage.mcap", "is not an MCAP file"),
-        ("empty.mcap", "is not an MCAP file"),
-        ("whole.mcap.zstd", "zstd -d"),
-        ("bag.db3", "ros2 bag convert"),
-        ("sqlite", "ros2 bag convert"),
-        ("packed", "message by message"),
+        ("garbage.mcap", "is neither an MCAP file nor one in SQLite storage"),
+        ("empty.mcap", "is neither an MCAP file nor one in SQLite storage"),
+        ("whole.mcap.zstd", "cannot be decompressed"),
+        ("bag.db3", "is neither an MCAP file nor one in SQLite storage"),
+        ("broken.db3", "cannot be read as SQLite"),
         ("lost", "b_1.mcap: no such file"),
         ("broken", "metadata.yaml"),
-        ("none", "contains no .mcap file"),
-        ("hollow", "contains no .mcap file"),
-        ("old", "SQLite"),
+        ("none", "contains no .mcap or .db3 file"),
+        ("hollow", "contains no .mcap or .db3 file"),
+        ("old", "neither an MCAP file"),
     ];
     for (name, expected) in cases {
         let says = BagReader::open(&at(name)).unwrap_err().to_string();
