@@ -187,6 +187,8 @@ impl Node {
             set("topics.rgb", "/camera/color/image_raw"),
             set("topics.camera_info", "/camera/color/camera_info"),
             set("topics.odometry", "/odom"),
+            set("topics.detections", "/detections"),
+            set("topics.depth_camera_info", "''"),
         ];
         let child = Command::new(env!("CARGO_BIN_EXE_ellipsoid_slam"))
             .args(["node", "--ros-args"])

@@ -18,6 +18,8 @@ pub mod config;
 
 pub mod msg;
 
+pub mod topics;
+
 #[cfg(feature = "detector")]
 pub mod detector;
 

@@ -1,6 +1,11 @@
 //! `demo`: the main job on the demo bag.
 
-use super::{Outcome, detector::DetectorArgs, parameter_args::ParameterArgs, replay};
+use super::{
+    Outcome,
+    detector::DetectorArgs,
+    parameter_args::{ParameterArgs, RemapArgs},
+    replay,
+};
 use crate::io::read_map;
 use clap::Parser;
 use nalgebra::Vector3;
@@ -28,7 +33,7 @@ pub(super) fn run(args: &Args) -> Outcome {
         map: None,
         start: None,
         output: Some(args.output.clone()),
-        remaps: Vec::new(),
+        remaps: RemapArgs::default(),
         force: true,
         json: false,
         no_report: args.no_report,

@@ -3,13 +3,14 @@
 use super::{
     Failure, Outcome,
     detector::{self, DetectorArgs, Loaded},
-    parameter_args::ParameterArgs,
+    parameter_args::{ParameterArgs, RemapArgs},
     recording::{DETECTIONS, refuse_existing},
     timing::now,
 };
 use crate::{
-    io::{BagReader, BagWriter, FoundBoxes, RawMessage, Remap, Roles},
+    io::{BagReader, BagWriter, FoundBoxes, RawMessage},
     msg::{Message, convert::detection_array, schema_text, vision_msgs, yolo_msgs},
+    topics::Roles,
 };
 use anyhow::{Context, anyhow};
 use clap::Parser;
@@ -28,9 +29,8 @@ pub(super) struct Args {
     /// The bag to write; by default the bag's name with `_detected.mcap`, here.
     #[arg(long, short, value_name = "BAG")]
     output: Option<PathBuf>,
-    /// The topic of the colour images: rgb:=/topic.
-    #[arg(short = 'r', long = "remap", value_name = "ROLE:=/TOPIC")]
-    remaps: Vec<Remap>,
+    #[command(flatten)]
+    remaps: RemapArgs,
     /// Overwrite an existing bag.
     #[arg(long)]
     force: bool,
@@ -42,11 +42,12 @@ pub(super) fn run(args: &Args) -> Outcome {
         PathBuf::from(format!("{stem}_detected.mcap"))
     });
     refuse_existing(&[&output], args.force)?;
-    let settings = args.detector.over(&args.parameters.load()?.node.detector);
+    let parameters = args.parameters.load()?;
+    let settings = args.detector.over(&parameters.node.detector);
     let loaded = detector::load(&settings)?
         .ok_or_else(|| Failure::Usage("name a detector with --model FILE.onnx".into()))?;
     let bag = BagReader::open(&args.bag)?;
-    let rgb = Roles::color_topic(bag.topics(), &args.remaps)
+    let rgb = Roles::color_topic(bag.topics(), &args.remaps.over(&parameters))
         .with_context(|| args.bag.display().to_string())?;
     let mut detecting = Detecting::new(BagWriter::create(&output)?, rgb, loaded);
     let progress = ProgressBar::new(bag.message_count());

@@ -10,7 +10,7 @@ use super::{
 use crate::{
     eval::GroundTruth,
     geometry::Pose,
-    io::{TumFolder, TumFrame, TumOptions},
+    io::{TumCamera, TumFolder, TumFrame, TumOptions},
     msg::convert::png_depth,
     pipeline::{CameraRole, DepthMessage, DetectionsMessage, OdometryMessage},
     time::Stamp,
@@ -34,7 +34,8 @@ enum Form {
     Tum(TumArgs),
 }
 
-/// A folder in the form of the TUM RGB-D benchmark: associate.txt, camera.yaml, groundtruth.txt, bbox/.
+/// A folder of the TUM RGB-D benchmark as it is downloaded (rgb.txt, depth.txt, groundtruth.txt), or with associate.txt,
+/// camera.yaml and boxes in bbox/.
 #[derive(Debug, Parser)]
 struct TumArgs {
     /// The folder.
@@ -42,9 +43,9 @@ struct TumArgs {
     /// The bag to write.
     #[arg(long, short, value_name = "BAG")]
     output: PathBuf,
-    /// Calibration; by default camera.yaml of the folder.
-    #[arg(long, value_name = "FILE")]
-    camera: Option<PathBuf>,
+    /// The benchmark's camera, or a file; by default camera.yaml of the folder, or the camera that its name says.
+    #[arg(long, value_name = "fr1|fr2|fr3|FILE")]
+    camera: Option<TumCamera>,
     /// Poses that become odometry and TF; by default groundtruth.txt of the folder.
     #[arg(long, value_name = "FILE")]
     odometry: Option<PathBuf>,
@@ -83,6 +84,12 @@ pub(super) fn run(args: &Args) -> Outcome {
         folder.frames.len(),
         folder.odometry.len()
     );
+    if folder.frames.iter().all(|frame| frame.detections.is_none()) {
+        say!(
+            "it has no boxes: find them with `replay {} --model FILE.onnx`",
+            args.output.display()
+        );
+    }
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use crate::{
     config::{LogLevel, MapFileSettings, Parameters, RosArguments},
     io::{load_saved_map, save_map},
     mapping::SavedMap,
-    ros::{Domain, LogLines, MapFiles, run_node},
+    ros::{Domain, LogLines, MapFiles, check_remaps, run_node},
 };
 use anyhow::anyhow;
 use clap::Parser;
@@ -56,6 +56,7 @@ pub(super) fn run(args: &Args, lines: LogLines) -> Outcome {
     for path in without {
         tracing::warn!("{path} has no parameters for {}", arguments.full_name());
     }
+    check_remaps(&arguments, &parameters.node.topics).map_err(|e| Failure::Usage(e.to_string()))?;
     let files = MapFiles {
         at_start: map_at_start(&parameters.node.map)?,
         load: Box::new(load),

@@ -4,7 +4,7 @@ use super::{
     Failure, Outcome,
     detector::{self, DetectorArgs},
     eval::read_ground_truth,
-    parameter_args::ParameterArgs,
+    parameter_args::{ParameterArgs, RemapArgs},
     report::{Ended, Reporter, clock},
     results::{Results, check_overwrite},
     streams::Streams,
@@ -13,11 +13,12 @@ use super::{
 use crate::{
     config::Parameters,
     geometry::yaw_of,
-    io::{BagInput, Inputs, Remap, Roles, load_saved_map},
+    io::{BagInput, Inputs, NO_ODOMETRY, load_saved_map},
     mapping::{Relocalised, SavedMap},
     msg::convert::FindBoxes,
     pipeline::{Calibration, Dropped, Input, ObjectSlam, Settings, StartPose, Update},
     time::Stamp,
+    topics::Roles,
 };
 use anyhow::{Context, anyhow};
 use clap::Parser;
@@ -46,9 +47,8 @@ pub(super) struct Args {
     /// Folder for the results; by default the bag's name with `_result`, here.
     #[arg(long, short, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
-    /// Use a topic for a role: rgb, depth, camera_info, depth_camera_info, odometry, detections.
-    #[arg(short = 'r', long = "remap", value_name = "ROLE:=/TOPIC")]
-    pub(super) remaps: Vec<Remap>,
+    #[command(flatten)]
+    pub(super) remaps: RemapArgs,
     /// Overwrite an earlier result.
     #[arg(long)]
     pub(super) force: bool,
@@ -162,9 +162,10 @@ fn begin(args: &Args, settings: Settings) -> Result<ObjectSlam, Failure> {
 /// The bag, and the detector that finds its boxes where they are not to be those in it.
 fn open(args: &Args, parameters: &Parameters) -> Result<(BagInput, Option<FindBoxes>), Failure> {
     let detector = detector::load(&args.detector.over(&parameters.node.detector))?;
+    let remaps = args.remaps.over(parameters);
     let input = match detector {
-        Some(_) => BagInput::open_for_detector(&args.bag, &args.remaps)?,
-        None => BagInput::open(&args.bag, &args.remaps)?,
+        Some(_) => BagInput::open_for_detector(&args.bag, &remaps)?,
+        None => BagInput::open(&args.bag, &remaps)?,
     };
     Ok((input, detector.map(|loaded| loaded.find)))
 }
@@ -218,7 +219,7 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
         ));
     }
     if run.keyframes == 0 {
-        return Err(nothing_to_work_on(&args.bag, &run, &warnings).into());
+        return Err(nothing_to_work_on(&args.bag, input.roles(), &run, warnings).into());
     }
     let summary = Summary {
         topics: input.roles().clone(),
@@ -347,7 +348,20 @@ impl<'a> Run<'a> {
     }
 }
 
-fn nothing_to_work_on(bag: &Path, run: &Run<'_>, warnings: &[String]) -> anyhow::Error {
+/// What to do where odometry is of a base on which nothing places the camera.
+const NO_TRANSFORM: &str = "record /tf and /tf_static, or say where the camera is on the base with \
+    `--camera-pose X,Y,Z,ROLL,PITCH,YAW`";
+
+fn nothing_to_work_on(
+    bag: &Path,
+    roles: &Roles,
+    run: &Run<'_>,
+    mut warnings: Vec<String>,
+) -> anyhow::Error {
+    if run.dropped.contains_key("no_transform") {
+        let hint = if roles.odometry.is_some() { NO_TRANSFORM } else { NO_ODOMETRY };
+        warnings.push(hint.to_owned());
+    }
     let why = if warnings.is_empty() {
         format!("{} depth images came without boxes", run.frames)
     } else {

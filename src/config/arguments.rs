@@ -216,9 +216,21 @@ impl RosArguments {
     /// The full name of a topic or service after remapping. A name is relative to the namespace, private after `~/`, or
     /// full after `/`. The first rule that fits counts, as in `rcl`.
     pub fn resolve(&self, name: &str) -> String {
+        self.remapped(name).unwrap_or_else(|| self.expanded(name))
+    }
+
+    /// The same, if a rule fits.
+    pub fn remapped(&self, name: &str) -> Option<String> {
         let full = self.expanded(name);
-        let rule = self.remaps.iter().find(|rule| self.expanded(&rule.from) == full);
-        rule.map_or(full, |rule| self.expanded(&rule.to))
+        let rule = self.remaps.iter().find(|rule| self.expanded(&rule.from) == full)?;
+        Some(self.expanded(&rule.to))
+    }
+
+    /// The first name that is to be remapped and is none of these.
+    pub fn unmatched<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Option<&str> {
+        let known: Vec<String> = names.into_iter().map(|name| self.expanded(name)).collect();
+        let is_unknown = |rule: &&Remap| !known.contains(&self.expanded(&rule.from));
+        self.remaps.iter().find(is_unknown).map(|rule| rule.from.as_str())
     }
 
     fn expanded(&self, name: &str) -> String {

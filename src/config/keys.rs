@@ -45,6 +45,11 @@ const METHOD_KEYS: &[Key] = &[
     number("sync.max_waiting", 1.0, 1000.0, "most depth images that wait at once"),
     other("sync.odom_frame", "odometry's frame, where odometry comes from TF only").at_start(),
     other("sync.base_frame", "base frame, likewise; empty: the camera's own frame").at_start(),
+    other(
+        "sync.camera_pose",
+        "where the camera is on the base: X,Y,Z,ROLL,PITCH,YAW [m, deg]; empty: TF tells",
+    )
+    .at_start(),
     number(
         "sync.stamp_sigma_s",
         0.0,

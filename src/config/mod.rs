@@ -17,7 +17,7 @@ pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use detector_settings::{DetectorSettings, ModelForm};
 pub use keys::{Key, keys};
 pub use node_settings::{
-    DepthTransport, DetectionsType, MapFileSettings, NodeSettings, PublishSettings, Qos,
+    AUTO, DepthTransport, DetectionsType, MapFileSettings, NodeSettings, PublishSettings, Qos,
     QosSettings, RgbTransport, TopicSettings,
 };
 pub use parameters::{Parameter, Parameters, key_of};

@@ -9,21 +9,25 @@ pub(super) const NODE_KEYS: &[Key] = &[
     other("publish_tf", "publish map -> odom; two programs that do so fight"),
     other(
         "topics",
-        "What the node receives; relative to its namespace unless they begin with a slash.",
+        "Topics of the input; relative to the namespace unless they begin with a slash. auto: found by type and name.",
     ),
     other("topics.rgb", "colour images; empty: none are received").at_start(),
-    other("topics.rgb_transport", "raw or compressed").at_start(),
+    other("topics.rgb_transport", "raw or compressed, where topics.rgb is named").at_start(),
     other("topics.depth", "depth images").at_start(),
-    other("topics.depth_transport", "raw, compressed or compressedDepth").at_start(),
+    other("topics.depth_transport", "raw, compressed or compressedDepth, likewise").at_start(),
     other("topics.camera_info", "calibration of the colour camera").at_start(),
     other(
         "topics.depth_camera_info",
-        "calibration of the depth camera; empty: depth is aligned to colour",
+        "calibration of the depth camera; empty: it is the colour camera's",
     )
     .at_start(),
     other("topics.odometry", "odometry; empty: TF says where the base is").at_start(),
     other("topics.detections", "2D boxes").at_start(),
-    other("topics.detections_type", "vision_msgs, or yolo_msgs of yolo_ros").at_start(),
+    other(
+        "topics.detections_type",
+        "vision_msgs, or yolo_msgs of yolo_ros, where topics.detections is named",
+    )
+    .at_start(),
     other(
         "qos",
         "Quality of service: sensor_data (best effort, matches any publisher) or reliable.",

@@ -26,7 +26,10 @@ pub struct NodeSettings {
     pub publish: PublishSettings,
 }
 
-/// Names of the topics that are received. A remapping changes them too.
+/// What stands for a topic that is to be found by its type and name.
+pub const AUTO: &str = "auto";
+
+/// Names of the topics that are received; [`AUTO`]: they are found. A remapping changes them too.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TopicSettings {
@@ -40,13 +43,13 @@ pub struct TopicSettings {
     pub depth_transport: DepthTransport,
     /// Calibration of the colour camera.
     pub camera_info: String,
-    /// Calibration of the depth camera; empty: depth is aligned to colour.
+    /// Calibration of the depth camera; empty: it is that of the colour camera.
     pub depth_camera_info: String,
     /// Odometry; empty: TF says where the base is.
     pub odometry: String,
     /// 2D boxes.
     pub detections: String,
-    /// Their message type.
+    /// Their message type, where their topic is named.
     pub detections_type: DetectionsType,
 }
 
@@ -164,14 +167,14 @@ impl Default for NodeSettings {
 impl Default for TopicSettings {
     fn default() -> Self {
         Self {
-            rgb: "rgb/image".into(),
+            rgb: AUTO.into(),
             rgb_transport: RgbTransport::Raw,
-            depth: "depth/image".into(),
+            depth: AUTO.into(),
             depth_transport: DepthTransport::Raw,
-            camera_info: "rgb/camera_info".into(),
-            depth_camera_info: String::new(),
-            odometry: "odom".into(),
-            detections: "detections".into(),
+            camera_info: AUTO.into(),
+            depth_camera_info: AUTO.into(),
+            odometry: AUTO.into(),
+            detections: AUTO.into(),
             detections_type: DetectionsType::VisionMsgs,
         }
     }

@@ -1,13 +1,11 @@
 //! A bag as the core's inputs.
 
-use super::{
-    BagError, BagReader, BagWarning, Damage, Decoder, FoundBoxes, Messages, Remap, Role, RoleError,
-    Roles,
-};
+use super::{BagError, BagReader, BagWarning, Damage, Decoder, FoundBoxes, Messages};
 use crate::{
     msg::{SkipCount, Skipped, convert::FindBoxes},
     pipeline::{CameraRole, Input},
     time::Stamp,
+    topics::{Remap, Role, RoleError, Roles},
 };
 use std::path::{Path, PathBuf};
 use thiserror::Error;

@@ -8,10 +8,17 @@ use super::{
     sqlite_file::{self, Row, read_rows},
     unpacked::unpacked_message,
 };
-use crate::time::Stamp;
+use crate::{
+    msg::{
+        Message,
+        cdr::decode,
+        sensor_msgs::{CompressedImage, Image},
+    },
+    time::Stamp,
+    topics::Topic,
+};
 use mcap::records::Record;
 use rusqlite::Connection;
-use serde::Serialize;
 use std::{
     cmp::Reverse,
     collections::{BTreeMap, BTreeSet, BinaryHeap},
@@ -25,19 +32,6 @@ use std::{
 pub struct BagReader {
     files: Vec<BagFile>,
     topics: Vec<Topic>,
-}
-
-/// A topic of a bag.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Topic {
-    /// Name.
-    pub name: String,
-    /// Type, such as `sensor_msgs/msg/Image`.
-    pub type_name: String,
-    /// How messages are encoded; ROS 2 writes `cdr`.
-    pub encoding: String,
-    /// Number of messages.
-    pub messages: u64,
 }
 
 /// A message as it lies in the bag.
@@ -63,7 +57,36 @@ impl BagReader {
         let files: Vec<BagFile> =
             paths.iter().map(|path| BagFile::open(path)).collect::<Result<_, _>>()?;
         let topics = topics_of(&files);
-        Ok(Self { files, topics })
+        let mut bag = Self { files, topics };
+        let formats = bag.formats();
+        for topic in &mut bag.topics {
+            topic.format = formats.get(&topic.name).cloned();
+        }
+        Ok(bag)
+    }
+
+    /// What the first image on each topic says of its format, as far as these come early.
+    fn formats(&self) -> BTreeMap<String, String> {
+        let is_image = |topic: &&Topic| {
+            [Image::TYPE, CompressedImage::TYPE].contains(&topic.type_name.as_str())
+        };
+        let with_images = self.topics.iter().filter(|topic| topic.messages > 0).filter(is_image);
+        let images: Vec<&str> = with_images.map(|topic| topic.name.as_str()).collect();
+        let mut formats = BTreeMap::new();
+        if images.is_empty() {
+            return formats;
+        }
+        for message in self.messages().only(&images).take(MOST_SEARCHED) {
+            if !formats.contains_key(&*message.topic)
+                && let Some(format) = format_of(&message)
+            {
+                formats.insert(message.topic.to_string(), format);
+            }
+            if formats.len() == images.len() {
+                break;
+            }
+        }
+        formats
     }
 
     /// All topics, by name.
@@ -274,6 +297,19 @@ impl Iterator for Messages<'_> {
     }
 }
 
+/// Most images that are looked at to learn the formats of all topics.
+const MOST_SEARCHED: usize = 200;
+/// No format that is known is longer.
+const MOST_OF_FORMAT: usize = 64;
+
+fn format_of(image: &RawMessage) -> Option<String> {
+    let format = match &*image.type_name {
+        CompressedImage::TYPE => decode::<CompressedImage>(&image.data).ok()?.format,
+        _ => decode::<Image>(&image.data).ok()?.encoding,
+    };
+    Some(format.chars().filter(|c| !c.is_control()).take(MOST_OF_FORMAT).collect())
+}
+
 fn is_cut(damage: &Damage) -> bool {
     matches!(damage, Damage::CutRecord { .. })
 }
@@ -285,8 +321,13 @@ fn topics_of(files: &[BagFile]) -> Vec<Topic> {
         let key = [&channel.topic, &channel.type_name, &channel.encoding].map(|s| s.to_string());
         *messages.entry(key.into()).or_default() += channel.messages;
     }
-    let topic =
-        |((name, type_name, encoding), messages)| Topic { name, type_name, encoding, messages };
+    let topic = |((name, type_name, encoding), messages)| Topic {
+        name,
+        type_name,
+        encoding,
+        messages,
+        format: None,
+    };
     messages.into_iter().map(topic).collect()
 }
 

@@ -1,6 +1,6 @@
 //! From a bag's messages to the core's inputs.
 
-use super::{RawMessage, Roles};
+use super::RawMessage;
 use crate::{
     msg::{
         Message, SkipCount, Skipped,
@@ -10,6 +10,7 @@ use crate::{
         yolo_msgs::DetectionArray,
     },
     pipeline::{CameraRole, DepthMessage, Input},
+    topics::Roles,
 };
 
 /// Decodes the messages of the topics that have a role.
@@ -120,7 +121,7 @@ fn depth(message: &RawMessage, sizes: &[(u32, u32)]) -> Result<DepthMessage, Con
     }
 }
 
-/// The picture in a message on the topic of [`Role::Rgb`](super::Role::Rgb); called only when one is to be drawn.
+/// The picture in a message on the topic of [`Role::Rgb`](crate::topics::Role::Rgb); called only when one is to be drawn.
 ///
 /// # Errors
 /// When the picture cannot be decoded.

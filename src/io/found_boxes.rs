@@ -10,7 +10,7 @@ use crate::{
 };
 use std::fmt;
 
-/// A detector that looks at messages of the topic of [`Role::Rgb`](super::Role::Rgb).
+/// A detector that looks at messages of the topic of [`Role::Rgb`](crate::topics::Role::Rgb).
 pub struct FoundBoxes(FindBoxes);
 
 impl FoundBoxes {

@@ -13,21 +13,23 @@ mod inspect;
 mod map_file;
 mod mcap_file;
 mod mcap_scan;
-mod roles;
 mod sqlite_file;
 mod trajectory;
+mod tum_camera;
 mod tum_folder;
 mod unpacked;
 
 pub use atomic::{remove_unfinished, write_atomically};
 pub use bag_input::{BagInput, InputError, Inputs};
-pub use bag_reader::{BagReader, Messages, RawMessage, Topic};
+pub use bag_reader::{BagReader, Messages, RawMessage};
 pub use bag_writer::BagWriter;
 pub use decode::{Decoder, color_message, decode_color};
 pub use error::{BagError, BagWarning, Damage, disk_problem};
 pub use found_boxes::FoundBoxes;
-pub use inspect::{BagReport, Coverage, FrameLink, Frames, Matching, Rhythm, Stream, inspect};
+pub use inspect::{
+    BagReport, Coverage, FrameLink, Frames, Matching, NO_ODOMETRY, Rhythm, Stream, inspect,
+};
 pub use map_file::{MapFileError, load_saved_map, map_json, read_map, save_map};
-pub use roles::{Remap, Role, RoleError, Roles};
 pub use trajectory::{TrajectoryError, read_trajectory, trajectory_text};
+pub use tum_camera::TumCamera;
 pub use tum_folder::{TumError, TumFolder, TumFrame, TumOptions};

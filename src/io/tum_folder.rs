@@ -1,13 +1,14 @@
-//! Folders in the form of the TUM RGB-D benchmark (Sturm et al. 2012), with boxes.
+//! Folders in the form of the TUM RGB-D benchmark (Sturm et al. 2012), as they are downloaded or with boxes.
 
-use super::{TrajectoryError, read_trajectory, trajectory::parse_stamp};
+use super::{
+    TrajectoryError, TumCamera, read_trajectory, trajectory::parse_stamp, tum_camera::read_camera,
+};
 use crate::{
-    geometry::{Camera, CameraError, Distortion, Pose, Rect},
+    geometry::{Camera, Pose, Rect},
     msg::coco,
     perception::Detection,
     time::Stamp,
 };
-use serde::Deserialize;
 use std::{
     fs, io,
     path::{Path, PathBuf},
@@ -17,8 +18,8 @@ use thiserror::Error;
 /// Where the parts are that the folder does not have, or has under another name.
 #[derive(Clone, Debug, Default)]
 pub struct TumOptions {
-    /// Calibration; `camera.yaml` of the folder otherwise.
-    pub camera: Option<PathBuf>,
+    /// Calibration; otherwise `camera.yaml` of the folder, or the benchmark's that the folder's name says.
+    pub camera: Option<TumCamera>,
     /// Poses that become odometry and TF; `groundtruth.txt` of the folder otherwise.
     pub odometry: Option<PathBuf>,
 }
@@ -68,6 +69,15 @@ pub enum TumError {
         /// Why.
         source: io::Error,
     },
+    /// No calibration.
+    #[error(
+        "{} has no camera.yaml: say which camera of the benchmark it is with `--camera fr1`, `fr2` or `fr3`, or give a file",
+        folder.display()
+    )]
+    NoCamera {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// The calibration is not what is expected.
     #[error(
         "{}: {why}; expected width, height, fx, fy, cx, cy, distortion_model, distortion and \
@@ -80,12 +90,14 @@ pub enum TumError {
         why: String,
     },
     /// A line that names images.
-    #[error("{}, line {line}: expected `colour_stamp colour_path depth_stamp depth_path`", path.display())]
-    Associate {
+    #[error("{}, line {line}: expected `{form}`", path.display())]
+    Images {
         /// The file.
         path: PathBuf,
         /// Line number, from 1.
         line: usize,
+        /// What a line has.
+        form: &'static str,
     },
     /// No images at all.
     #[error("{}: names no images", path.display())]
@@ -98,34 +110,24 @@ pub enum TumError {
     Trajectory(#[from] TrajectoryError),
 }
 
-/// `camera.yaml`.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CameraFile {
-    width: u32,
-    height: u32,
-    fx: f64,
-    fy: f64,
-    cx: f64,
-    cy: f64,
-    #[serde(default)]
-    distortion_model: String,
-    #[serde(default)]
-    distortion: Vec<f64>,
-    depth_units_per_metre: f64,
-}
-
 impl TumFolder {
     /// Reads everything but the images.
     ///
     /// # Errors
     /// When a file is missing or is not what it should be. Single bad boxes become warnings.
     pub fn open(folder: &Path, options: &TumOptions) -> Result<Self, TumError> {
-        let camera_file = options.camera.clone().unwrap_or_else(|| folder.join("camera.yaml"));
-        let (camera, depth_units_per_metre) = read_camera(&camera_file)?;
-        let mut frames = read_associations(folder)?;
+        let given = options.camera.clone().or_else(|| TumCamera::of_folder(folder));
+        let given = given.ok_or_else(|| TumError::NoCamera { folder: folder.to_owned() })?;
+        let (camera, depth_units_per_metre) = read_camera(&given)?;
+        let mut frames = match folder.join("associate.txt") {
+            associated if associated.exists() => read_associations(&associated, folder)?,
+            _ => associate(folder)?,
+        };
         let mut warnings = Vec::new();
-        add_boxes(&folder.join("bbox"), &mut frames, &mut warnings)?;
+        let boxes = folder.join("bbox");
+        if boxes.exists() {
+            add_boxes(&boxes, &mut frames, &mut warnings)?;
+        }
         let truth_file = folder.join("groundtruth.txt");
         let ground_truth =
             if truth_file.exists() { Some(read_trajectory(&truth_file)?) } else { None };
@@ -138,58 +140,88 @@ impl TumFolder {
     }
 }
 
-fn read_text(path: &Path) -> Result<String, TumError> {
+pub(super) fn read_text(path: &Path) -> Result<String, TumError> {
     fs::read_to_string(path).map_err(|source| TumError::Io { path: path.to_owned(), source })
 }
 
-fn read_camera(path: &Path) -> Result<(Camera, f64), TumError> {
-    let text = read_text(path)?;
-    let bad = |why: String| TumError::Camera { path: path.to_owned(), why };
-    let file: CameraFile = serde_saphyr::from_str(&text)
-        .map_err(|e| bad(e.to_string().lines().next().unwrap_or_default().to_owned()))?;
-    let d = &file.distortion;
-    let at = |i: usize| d.get(i).copied().unwrap_or(0.0);
-    let distortion = match file.distortion_model.as_str() {
-        "" | "none" => Distortion::None,
-        "plumb_bob" => Distortion::PlumbBob(std::array::from_fn(at)),
-        "rational_polynomial" => Distortion::Rational(std::array::from_fn(at)),
-        other => return Err(bad(format!("unknown distortion model \"{other}\""))),
-    };
-    let units = file.depth_units_per_metre;
-    if !(units.is_finite() && units > 0.0) {
-        return Err(bad(format!("depth_units_per_metre is {units}")));
-    }
-    let size = (file.width, file.height);
-    Camera::new(size, (file.fx, file.fy), (file.cx, file.cy), distortion)
-        .map(|camera| (camera, units))
-        .map_err(|e: CameraError| bad(e.to_string()))
-}
-
-fn read_associations(folder: &Path) -> Result<Vec<TumFrame>, TumError> {
-    let path = folder.join("associate.txt");
-    let mut frames = Vec::new();
-    for (i, line) in read_text(&path)?.lines().enumerate() {
-        if line.trim().is_empty() || line.trim_start().starts_with('#') {
-            continue;
-        }
-        let frame = parse_association(folder, line);
-        frames.push(frame.ok_or_else(|| TumError::Associate { path: path.clone(), line: i + 1 })?);
-    }
-    if frames.is_empty() {
-        return Err(TumError::Empty { path });
-    }
+fn read_associations(path: &Path, folder: &Path) -> Result<Vec<TumFrame>, TumError> {
+    let form = "colour_stamp colour_path depth_stamp depth_path";
+    let mut frames = read_lines(path, form, |words| {
+        let [color_stamp, color, depth_stamp, depth] = words else { return None };
+        let (color, depth) = (folder.join(color), folder.join(depth));
+        Some(frame((parse_stamp(color_stamp)?, color), (parse_stamp(depth_stamp)?, depth)))
+    })?;
     frames.sort_by_key(|f| f.depth_stamp);
     Ok(frames)
 }
 
-fn parse_association(folder: &Path, line: &str) -> Option<TumFrame> {
-    let mut words = line.split_whitespace();
-    let color_stamp = parse_stamp(words.next()?)?;
-    let color = folder.join(words.next()?);
-    let depth_stamp = parse_stamp(words.next()?)?;
-    let depth = folder.join(words.next()?);
+/// What `parse` makes of the words of each line; lines that are empty or begin with `#` are passed over.
+fn read_lines<T>(
+    path: &Path,
+    form: &'static str,
+    parse: impl Fn(&[&str]) -> Option<T>,
+) -> Result<Vec<T>, TumError> {
+    let mut found = Vec::new();
+    for (i, line) in read_text(path)?.lines().enumerate() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        if words.first().is_none_or(|word| word.starts_with('#')) {
+            continue;
+        }
+        let bad = || TumError::Images { path: path.to_owned(), line: i + 1, form };
+        found.push(parse(&words).ok_or_else(bad)?);
+    }
+    if found.is_empty() {
+        return Err(TumError::Empty { path: path.to_owned() });
+    }
+    Ok(found)
+}
+
+fn frame(
+    (color_stamp, color): (Stamp, PathBuf),
+    (depth_stamp, depth): (Stamp, PathBuf),
+) -> TumFrame {
     let (detections, instances) = (None, Vec::new());
-    Some(TumFrame { color_stamp, color, depth_stamp, depth, detections, instances })
+    TumFrame { color_stamp, color, depth_stamp, depth, detections, instances }
+}
+
+/// Pairs the images of `rgb.txt` and `depth.txt` as the benchmark's own script does: the nearest stamps first, each image
+/// once.
+fn associate(folder: &Path) -> Result<Vec<TumFrame>, TumError> {
+    let listed = |name: &str| {
+        read_lines(&folder.join(name), "stamp path", |words| {
+            let [stamp, path] = words else { return None };
+            Some((parse_stamp(stamp)?, folder.join(path)))
+        })
+    };
+    let (mut colors, mut depths) = (listed("rgb.txt")?, listed("depth.txt")?);
+    colors.sort();
+    depths.sort();
+    let mut near: Vec<(i64, usize, usize)> = Vec::new();
+    for (d, (stamp, _)) in depths.iter().enumerate() {
+        let first = colors.partition_point(|(color, _)| *color < stamp.shifted(-MAX_DISTANCE_S));
+        let within = colors.iter().enumerate().skip(first);
+        let distance = |color: Stamp| (color.as_nanos() - stamp.as_nanos()).abs();
+        near.extend(
+            within
+                .take_while(|(_, (color, _))| *color <= stamp.shifted(MAX_DISTANCE_S))
+                .map(|(c, (color, _))| (distance(*color), d, c)),
+        );
+    }
+    near.sort_unstable();
+    let mut color_of: Vec<Option<usize>> = vec![None; depths.len()];
+    let mut taken = vec![false; colors.len()];
+    for (_, d, c) in near {
+        if color_of[d].is_none() && !taken[c] {
+            (color_of[d], taken[c]) = (Some(c), true);
+        }
+    }
+    let pairs = depths.into_iter().zip(color_of);
+    let frames: Vec<TumFrame> =
+        pairs.filter_map(|(depth, color)| Some(frame(colors[color?].clone(), depth))).collect();
+    if frames.is_empty() {
+        return Err(TumError::Empty { path: folder.join("depth.txt") });
+    }
+    Ok(frames)
 }
 
 /// Gives each colour image the box file whose name is the nearest stamp.
@@ -213,7 +245,7 @@ fn add_boxes(
         let distance = |stamp: Stamp| stamp.seconds_since(frame.color_stamp).abs();
         let nearest = files.iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
         if let Some((stamp, path)) = nearest
-            && distance(*stamp) <= MAX_BOX_DISTANCE_S
+            && distance(*stamp) <= MAX_DISTANCE_S
         {
             let (detections, instances) = read_boxes(path, warnings)?;
             frame.detections = Some(detections);
@@ -258,5 +290,5 @@ fn parse_box(line: &str) -> Option<(Detection, i64)> {
     Some((detection, instance))
 }
 
-/// Boxes belong to the image whose stamp is within this of theirs (s).
-const MAX_BOX_DISTANCE_S: f64 = 0.02;
+/// Images belong together, and boxes to an image, whose stamps differ by at most this (s).
+const MAX_DISTANCE_S: f64 = 0.02;

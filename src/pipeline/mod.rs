@@ -1,5 +1,6 @@
 //! From inputs to updates: the page that reads like the paper.
 
+mod camera_pose;
 mod front_end;
 mod history;
 mod input;
@@ -13,6 +14,7 @@ mod start_pose;
 mod sync;
 mod transforms;
 
+pub use camera_pose::{CameraPose, NoCameraPose};
 pub use front_end::{FrontEnd, Perceived};
 pub use input::{
     CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,

@@ -31,18 +31,18 @@ impl FromStr for StartPose {
     type Err = NoStartPose;
 
     fn from_str(text: &str) -> Result<Self, NoStartPose> {
-        if text.trim().is_empty() {
-            return Ok(Self::default());
-        }
-        let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-        let numbers: [f64; 3] =
-            parts.map_err(|_| NoStartPose)?.try_into().map_err(|_| NoStartPose)?;
-        if numbers.iter().all(|number| number.is_finite()) {
-            Ok(Self { known: Some(numbers) })
-        } else {
-            Err(NoStartPose)
-        }
+        Ok(Self { known: numbers(text).ok_or(NoStartPose)? })
     }
+}
+
+/// So many finite numbers with commas between them, or none of them in an empty text. Nothing for any other text.
+pub(super) fn numbers<const N: usize>(text: &str) -> Option<Option<[f64; N]>> {
+    if text.trim().is_empty() {
+        return Some(None);
+    }
+    let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let numbers: [f64; N] = parts.ok()?.try_into().ok()?;
+    numbers.iter().all(|number| number.is_finite()).then_some(Some(numbers))
 }
 
 impl fmt::Display for StartPose {

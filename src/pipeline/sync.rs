@@ -4,7 +4,7 @@
 //! nearest within a slop otherwise; the pose is interpolated at the image's stamp.
 
 use super::{
-    CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
+    CameraMessage, CameraPose, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
     StampedTransform,
     history::{Jump, Outside, is_long_before},
     odometry::{Odometry, Reading},
@@ -33,6 +33,8 @@ pub struct SyncSettings {
     pub odom_frame: String,
     /// Base frame, used likewise; empty: the camera's own.
     pub base_frame: String,
+    /// Where the camera is on the base; empty: TF says it.
+    pub camera_pose: CameraPose,
     /// How far the stamps of images and odometry usually are off from each other: one standard deviation (s).
     pub stamp_sigma_s: f64,
 }
@@ -45,6 +47,7 @@ impl Default for SyncSettings {
             max_waiting: 40,
             odom_frame: "odom".into(),
             base_frame: "base_link".into(),
+            camera_pose: CameraPose::default(),
             stamp_sigma_s: 0.02,
         }
     }
@@ -331,7 +334,10 @@ impl Sync {
         let velocity = before.map_or(Vector6::zeros(), |before| {
             local(&before.start_from_base(), &odometry.start_from_base()) / VELOCITY_OVER_S
         });
-        let base_from_camera = self.lookup(base, &color.frame_id, stamp)?;
+        let base_from_camera = match self.settings.camera_pose.base_from_camera() {
+            Some(given) => given,
+            None => self.lookup(base, &color.frame_id, stamp)?,
+        };
         let odometry_covariance = self.odometry.as_ref().and_then(|o| o.covariance_at(stamp));
         Ok(Poses { color, registration, odometry, velocity, odometry_covariance, base_from_camera })
     }

@@ -22,13 +22,16 @@ pub(super) struct NewestImage {
 
 #[derive(Default)]
 struct State {
-    image: Option<Arc<ColorMessage>>,
+    image: Option<Image>,
     closed: bool,
 }
 
+/// An image and its topic.
+type Image = (Arc<str>, Arc<ColorMessage>);
+
 impl NewestImage {
-    pub(super) fn put(&self, image: Arc<ColorMessage>) {
-        self.lock().image = Some(image);
+    pub(super) fn put(&self, topic: &Arc<str>, image: Arc<ColorMessage>) {
+        self.lock().image = Some((Arc::clone(topic), image));
         self.changed.notify_one();
     }
 
@@ -38,7 +41,7 @@ impl NewestImage {
     }
 
     /// The newest image at `earliest` or, if there is none then, the next one. Nothing once it is closed.
-    fn take(&self, earliest: Instant) -> Option<Arc<ColorMessage>> {
+    fn take(&self, earliest: Instant) -> Option<Image> {
         let mut state = self.lock();
         loop {
             let early = earliest.saturating_duration_since(now());
@@ -79,10 +82,9 @@ impl Detecting {
         let images = Arc::clone(&newest);
         let (inbox, status) = (Arc::clone(inbox), status.clone());
         let between = Duration::from_secs_f64(1.0 / settings.detector.max_hz);
-        let topic = settings.topics.rgb.clone();
         let work = move || {
             let mut earliest = now();
-            while let Some(image) = images.take(earliest) {
+            while let Some((topic, image)) = images.take(earliest) {
                 earliest = now() + between;
                 match boxes_of(&image, &mut find) {
                     Ok(boxes) => inbox.put(Input::Detections(boxes)),

@@ -5,7 +5,7 @@ use super::{
     inbox::{Inbox, Overflow},
     problems::{Problem, Problems},
     status::{Shared, Status, now},
-    subscriptions::Listening,
+    subscriptions::Inputs,
     topic::send,
     transport::{Graph, Publisher},
 };
@@ -27,7 +27,7 @@ use tokio::time::{MissedTickBehavior, interval};
 pub(super) struct Diagnostics {
     pub(super) publisher: Publisher<DiagnosticArray>,
     pub(super) node: String,
-    pub(super) listening: Vec<Listening>,
+    pub(super) inputs: Inputs,
     pub(super) graph: Graph,
     pub(super) inbox: Arc<Inbox>,
     pub(super) status: Shared,
@@ -76,7 +76,10 @@ impl Diagnostics {
 
     /// What is wrong now.
     fn look(&mut self, now: Instant) -> Vec<Problem> {
-        let mut found = discovery::problems(&self.listening, &self.graph.publishers());
+        let inputs = self.inputs.borrow();
+        let mut found = discovery::problems(&inputs.listening, &self.graph.publishers());
+        let missing = inputs.missing.iter();
+        found.extend(missing.map(|what| Problem::new("no_topic", "", what.clone())));
         if self.graph.has_another(&self.node) {
             found.push(discovery::same_name(&self.node));
         }
@@ -89,7 +92,7 @@ impl Diagnostics {
                 .into_iter()
                 .map(|what| Problem::new("calibration", "", what)),
         );
-        for input in self.listening.iter().filter(|input| input.needed) {
+        for input in inputs.listening.iter().filter(|input| input.needed) {
             let topic = &input.topic;
             if found.iter().any(|problem| problem.what.contains(topic)) {
                 self.before.published.remove(topic);
@@ -138,7 +141,7 @@ impl Diagnostics {
         let elapsed = self.before.at.replace(now).map_or(1.0, |at| (now - at).as_secs_f64());
         let status = self.status.lock();
         let mut values = Vec::new();
-        for input in &self.listening {
+        for input in &self.inputs.borrow().listening {
             let known = status.inputs.get(&input.topic).cloned().unwrap_or_default();
             let before =
                 self.before.received.insert(input.topic.clone(), known.received).unwrap_or(0);

@@ -7,6 +7,7 @@ use super::{
     detecting::{Detecting, NewestImage},
     diagnostics::{Counts, Diagnostics},
     domain::{Domain, DomainError},
+    finding::Finding,
     inbox::Inbox,
     names::node_name,
     outputs::Outputs,
@@ -17,7 +18,7 @@ use super::{
     rosout::LogLines,
     services::serve_map,
     status::Shared,
-    subscriptions::{Listening, Subscriptions},
+    subscriptions::{Inputs, Subscriptions},
     transport::Node,
     worker::{MapFiles, Worker},
 };
@@ -27,7 +28,9 @@ use crate::{
     pipeline::{FrontEnd, ObjectSlam},
 };
 use std::{
+    convert::Infallible,
     fmt::Display,
+    future::{Future, pending},
     io,
     sync::{Arc, mpsc},
     thread,
@@ -94,10 +97,11 @@ pub fn run_node(
     let node = Node::join(domain, node_name(arguments.namespace(), arguments.node())?)?;
     let tasks = LocalSet::new();
     let mut start = Start { node, arguments, tasks: &tasks };
-    let running = start.everything(parameters, files, detector)?;
+    let (running, sinks) = start.everything(parameters, files, detector)?;
     start.log(lines)?;
     tracing::info!("{name} runs in domain {}", domain.id);
-    let outcome = runtime.block_on(tasks.run_until(running.until_stopped(signals)));
+    let outcome =
+        runtime.block_on(tasks.run_until(running.until_stopped(signals, start.listen(sinks))));
     // Tasks with their subscriptions and publishers go before the node: otherwise others would believe it to be alive.
     let Start { node, .. } = start;
     drop(tasks);
@@ -134,6 +138,18 @@ struct Running {
     ended: oneshot::Receiver<()>,
 }
 
+/// Where inputs go.
+struct Sinks {
+    settings: NodeSettings,
+    inbox: Arc<Inbox>,
+    status: Shared,
+    inputs: Inputs,
+    /// To a detector of our own.
+    detected: Option<Arc<NewestImage>>,
+    /// To be drawn into.
+    drawn: Option<ColorImages>,
+}
+
 /// Most depth images that wait for the one before them to be worked on.
 const MOST_DEPTH: usize = 10;
 
@@ -143,7 +159,7 @@ impl Start<'_> {
         parameters: Parameters,
         files: MapFiles,
         detector: Option<FindBoxes>,
-    ) -> Result<Running, NodeError> {
+    ) -> Result<(Running, Sinks), NodeError> {
         let arguments = self.arguments;
         let status = Shared::default();
         let inbox = Arc::new(Inbox::new(MOST_DEPTH));
@@ -171,9 +187,15 @@ impl Start<'_> {
         }
         let detecting = detector.map(|find| Detecting::start(find, &own, &inbox, &status));
         let detecting = detecting.transpose()?;
-        let newest = detecting.as_ref().map(Detecting::newest);
-        let listening = self.subscriptions(&own, &inbox, &status, (color, newest))?;
-        self.diagnostics(listening, &inbox, &status)?;
+        let sinks = Sinks {
+            inbox: Arc::clone(&inbox),
+            status,
+            inputs: Inputs::default(),
+            detected: detecting.as_ref().map(Detecting::newest),
+            drawn: own.publish.debug_image.then_some(color),
+            settings: own,
+        };
+        self.diagnostics(&sinks)?;
         thread::Builder::new().name("perception".into()).spawn(move || perceiver.run())?;
         let (ends, ended) = oneshot::channel();
         let worker = thread::Builder::new().name("slam".into()).spawn(move || {
@@ -181,28 +203,32 @@ impl Start<'_> {
             let _ends: oneshot::Sender<()> = ends;
             worker.run();
         })?;
-        Ok(Running { inbox, detecting, worker, ended })
+        Ok((Running { inbox, detecting, worker, ended }, sinks))
     }
 
-    fn subscriptions(
-        &mut self,
-        own: &NodeSettings,
-        inbox: &Arc<Inbox>,
-        status: &Shared,
-        (drawn, detected): (ColorImages, Option<Arc<NewestImage>>),
-    ) -> Result<Vec<Listening>, NodeError> {
+    /// Finds the topics that nobody named, and subscribes. It ends only where that fails.
+    async fn listen(&mut self, sinks: Sinks) -> Result<Infallible, NodeError> {
+        let Sinks { settings, inbox, status, inputs, detected, drawn } = &sinks;
+        let (topics, detects) = (&settings.topics, detected.is_some());
+        let finding = Finding::new(&mut self.node, topics, self.arguments, detects)?;
+        let sources = finding.find(inputs).await;
         let mut subscriptions = Subscriptions {
             node: &mut self.node,
             arguments: self.arguments,
             inbox,
             status,
             tasks: self.tasks,
-            detected,
-            drawn: own.publish.debug_image.then_some(drawn),
-            listening: Vec::new(),
+            detected: detected.clone(),
+            drawn: drawn.clone(),
+            inputs,
         };
-        subscriptions.all(own)?;
-        Ok(subscriptions.listening)
+        subscriptions.all(settings, &sources)?;
+        if sources.roles.odometry.is_none()
+            && let Some(topic) = finding.odometry().await
+        {
+            subscriptions.odometry(&topic, settings.qos.odometry)?;
+        }
+        pending().await
     }
 
     fn log(&mut self, lines: LogLines) -> Result<(), NodeError> {
@@ -211,21 +237,16 @@ impl Start<'_> {
         Ok(())
     }
 
-    fn diagnostics(
-        &mut self,
-        listening: Vec<Listening>,
-        inbox: &Arc<Inbox>,
-        status: &Shared,
-    ) -> Result<(), NodeError> {
+    fn diagnostics(&mut self, sinks: &Sinks) -> Result<(), NodeError> {
         let topic = self.arguments.resolve("/diagnostics");
         let name = self.arguments.full_name();
         let diagnostics = Diagnostics {
             publisher: self.node.publisher(&topic, &qos::stream(10))?,
             node: name,
-            listening,
+            inputs: Inputs::clone(&sinks.inputs),
             graph: self.node.graph()?,
-            inbox: Arc::clone(inbox),
-            status: status.clone(),
+            inbox: Arc::clone(&sinks.inbox),
+            status: sinks.status.clone(),
             problems: Problems::default(),
             before: Counts::default(),
         };
@@ -235,11 +256,16 @@ impl Start<'_> {
 }
 
 impl Running {
-    async fn until_stopped(self, mut signals: Signals) -> Result<(), NodeError> {
+    async fn until_stopped(
+        self,
+        mut signals: Signals,
+        listening: impl Future<Output = Result<Infallible, NodeError>>,
+    ) -> Result<(), NodeError> {
         tokio::select! {
             _ = signals.interrupt.recv() => tracing::info!("interrupted"),
             _ = signals.terminate.recv() => tracing::info!("terminated"),
             _ = self.ended => return Err(NodeError::WorkerEnded),
+            Err(failed) = listening => return Err(failed),
         }
         if let Some(detecting) = self.detecting {
             detecting.stop();

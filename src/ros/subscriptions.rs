@@ -3,6 +3,7 @@
 use super::{
     color::ColorImages,
     detecting::NewestImage,
+    finding::Sources,
     inbox::Inbox,
     node::NotCreated,
     qos,
@@ -10,10 +11,10 @@ use super::{
     transport::{Node, NotTaken, Subscription},
 };
 use crate::{
-    config::{DepthTransport, DetectionsType, NodeSettings, Qos, RgbTransport, RosArguments},
+    config::{DetectionsType, NodeSettings, Qos, RosArguments},
     msg::{
         Message,
-        convert::{self, ColorMessage, ConvertError, is_rectified, without_transport},
+        convert::{self, ColorMessage, ConvertError, without_transport},
         nav_msgs::Odometry,
         sensor_msgs::{CameraInfo, CompressedImage, Image},
         tf2_msgs::TFMessage,
@@ -24,7 +25,11 @@ use crate::{
     time::Stamp,
 };
 use ros2_client::QosProfile;
-use std::{cell::Cell, rc::Rc, sync::Arc};
+use std::{
+    cell::{Cell, RefCell},
+    rc::Rc,
+    sync::Arc,
+};
 use tokio::task::LocalSet;
 
 /// A topic that the node listens to.
@@ -42,6 +47,16 @@ pub(super) struct Listening {
     pub(super) needed: bool,
 }
 
+/// What the node listens to, and what it could not find yet.
+pub(super) type Inputs = Rc<RefCell<KnownInputs>>;
+
+#[derive(Debug, Default)]
+pub(super) struct KnownInputs {
+    pub(super) listening: Vec<Listening>,
+    /// A sentence on the roles for which there is no topic.
+    pub(super) missing: Option<String>,
+}
+
 /// Everything that a subscription needs.
 pub(super) struct Subscriptions<'a> {
     pub(super) node: &'a mut Node,
@@ -53,7 +68,7 @@ pub(super) struct Subscriptions<'a> {
     pub(super) detected: Option<Arc<NewestImage>>,
     /// Where they go to be drawn into.
     pub(super) drawn: Option<ColorImages>,
-    pub(super) listening: Vec<Listening>,
+    pub(super) inputs: &'a Inputs,
 }
 
 /// Images kept until they are read: enough for the time that a compressed one takes.
@@ -62,85 +77,77 @@ const SMALL_DEPTH: usize = 50;
 
 impl Subscriptions<'_> {
     /// Subscribes to all inputs.
-    pub(super) fn all(&mut self, settings: &NodeSettings) -> Result<(), NotCreated> {
-        let topics = &settings.topics;
-        let depth = self.arguments.resolve(&topics.depth);
-        // Without colour images, boxes are taken to live in the depth images.
-        let images = match topics.rgb.as_str() {
-            "" => depth.clone(),
-            rgb => self.arguments.resolve(rgb),
-        };
-        let sizes = self.cameras(settings, is_rectified(&images), is_rectified(&depth))?;
-        let topic = depth_topic(&depth, topics.depth_transport);
-        self.depth(topic, settings.qos.depth, sizes.clone())?;
-        if !topics.odometry.is_empty() {
-            let role = Role { role: "odometry", needed: true, is_present: true };
-            let topic = self.arguments.resolve(&topics.odometry);
-            let qos = qos::input(settings.qos.odometry, SMALL_DEPTH);
-            self.listen(role, &topic, qos, |odometry: Odometry, _| {
-                convert::odometry(&odometry).map(input(Input::Odometry))
-            })?;
+    pub(super) fn all(
+        &mut self,
+        settings: &NodeSettings,
+        sources: &Sources,
+    ) -> Result<(), NotCreated> {
+        let roles = &sources.roles;
+        let sizes = self.cameras(settings, sources)?;
+        self.depth(sources, settings.qos.depth, sizes.clone())?;
+        if let Some(topic) = &roles.odometry {
+            self.odometry(topic, settings.qos.odometry)?;
         }
         if self.detected.is_none() {
-            self.detections(settings, sizes.color)?;
+            self.detections(settings, sources, sizes.color)?;
         }
         if self.detected.is_some() || self.drawn.is_some() {
-            self.color(settings)?;
+            self.color(settings, sources)?;
         }
         self.transforms("/tf", qos::tf(), false)?;
         self.transforms("/tf_static", qos::tf_static(), true)
     }
 
-    fn depth(&mut self, topic: String, qos: Qos, sizes: ImageSizes) -> Result<(), NotCreated> {
+    pub(super) fn odometry(&mut self, topic: &str, qos: Qos) -> Result<(), NotCreated> {
+        let role = Role { role: "odometry", needed: true, is_present: true };
+        let qos = qos::input(qos, SMALL_DEPTH);
+        self.listen(role, topic, qos, |odometry: Odometry, _| {
+            convert::odometry(&odometry).map(input(Input::Odometry))
+        })
+    }
+
+    fn depth(&mut self, sources: &Sources, qos: Qos, sizes: ImageSizes) -> Result<(), NotCreated> {
         let role = Role { role: "depth", needed: true, is_present: true };
-        let qos = qos::input(qos, IMAGE_DEPTH);
-        if without_transport(&topic) == topic {
-            self.listen(role, &topic, qos, move |image: Image, _| {
+        let (qos, topic) = (qos::input(qos, IMAGE_DEPTH), &sources.roles.depth);
+        if sources.is_raw(topic) {
+            self.listen(role, topic, qos, move |image: Image, _| {
                 convert::depth_image(&image, &sizes.of_depth()).map(input(Input::Depth))
             })
         } else {
-            self.listen(role, &topic, qos, move |image: CompressedImage, _| {
+            self.listen(role, topic, qos, move |image: CompressedImage, _| {
                 convert::compressed_depth_image(&image, &sizes.of_depth()).map(input(Input::Depth))
             })
         }
     }
 
     /// Colour images: boxes are found in them, and drawn into them.
-    fn color(&mut self, settings: &NodeSettings) -> Result<(), NotCreated> {
-        let topics = &settings.topics;
-        if topics.rgb.is_empty() {
-            let wanted = match self.detected {
-                Some(_) => "detector.model",
-                None => "publish.debug_image",
-            };
-            tracing::warn!("{wanted} needs colour images, but topics.rgb is empty");
+    fn color(&mut self, settings: &NodeSettings, sources: &Sources) -> Result<(), NotCreated> {
+        let Some(topic) = &sources.roles.rgb else {
+            tracing::warn!(
+                "publish.debug_image needs colour images, but there are none: name their topic in topics.rgb"
+            );
             return Ok(());
-        }
+        };
         let role = Role { role: "rgb", needed: true, is_present: false };
         let qos = qos::input(settings.qos.rgb, IMAGE_DEPTH);
         let (detected, drawn) = (self.detected.clone(), self.drawn.clone());
+        let name: Arc<str> = topic.as_str().into();
         let keep = move |image: ColorMessage| {
             let (stamp, image) = (image.stamp(), Arc::new(image));
             if let Some(detected) = &detected {
-                detected.put(Arc::clone(&image));
+                detected.put(&name, Arc::clone(&image));
             }
             if let Some(drawn) = &drawn {
                 drawn.add(image);
             }
             Ok(Heard::Kept(stamp))
         };
-        let raw = self.arguments.resolve(&topics.rgb);
-        let is_raw = without_transport(&raw) == raw;
-        match topics.rgb_transport {
-            RgbTransport::Raw if is_raw => {
-                self.listen(role, &raw, qos, move |image: Image, _| keep(ColorMessage::Raw(image)))
-            }
-            _ => {
-                let topic = if is_raw { format!("{raw}/compressed") } else { raw };
-                self.listen(role, &topic, qos, move |image: CompressedImage, _| {
-                    keep(ColorMessage::Compressed(image))
-                })
-            }
+        if sources.is_raw(topic) {
+            self.listen(role, topic, qos, move |image: Image, _| keep(ColorMessage::Raw(image)))
+        } else {
+            self.listen(role, topic, qos, move |image: CompressedImage, _| {
+                keep(ColorMessage::Compressed(image))
+            })
         }
     }
 
@@ -148,27 +155,27 @@ impl Subscriptions<'_> {
     fn cameras(
         &mut self,
         settings: &NodeSettings,
-        color_rectified: bool,
-        depth_rectified: bool,
+        sources: &Sources,
     ) -> Result<ImageSizes, NotCreated> {
+        let roles = &sources.roles;
+        let (color_rectified, depth_rectified) =
+            (roles.is_color_rectified(), roles.is_depth_rectified());
         let color = ImageSize::default();
         let known = Rc::clone(&color);
         let qos = qos::input(settings.qos.camera_info, SMALL_DEPTH);
         let role = Role { role: "camera_info", needed: true, is_present: false };
-        let topic = self.arguments.resolve(&settings.topics.camera_info);
-        self.listen(role, &topic, qos.clone(), move |info: CameraInfo, _| {
+        self.listen(role, &roles.camera_info, qos.clone(), move |info: CameraInfo, _| {
             let message = convert::camera(&info, CameraRole::Color, color_rectified)?;
             known.set(Some((message.camera.width(), message.camera.height())));
             Ok(Heard::Input(Input::Camera(message)))
         })?;
-        if settings.topics.depth_camera_info.is_empty() {
+        let Some(topic) = &roles.depth_camera_info else {
             return Ok(ImageSizes { color, depth: None });
-        }
+        };
         let depth = ImageSize::default();
         let known = Rc::clone(&depth);
         let role = Role { role: "depth_camera_info", needed: true, is_present: false };
-        let topic = self.arguments.resolve(&settings.topics.depth_camera_info);
-        self.listen(role, &topic, qos, move |info: CameraInfo, _| {
+        self.listen(role, topic, qos, move |info: CameraInfo, _| {
             let message = convert::camera(&info, CameraRole::Depth, depth_rectified)?;
             known.set(Some((message.camera.width(), message.camera.height())));
             Ok(Heard::Input(Input::Camera(message)))
@@ -176,20 +183,25 @@ impl Subscriptions<'_> {
         Ok(ImageSizes { color, depth: Some(depth) })
     }
 
-    fn detections(&mut self, settings: &NodeSettings, size: ImageSize) -> Result<(), NotCreated> {
+    fn detections(
+        &mut self,
+        settings: &NodeSettings,
+        sources: &Sources,
+        size: ImageSize,
+    ) -> Result<(), NotCreated> {
         let role = Role { role: "detections", needed: true, is_present: false };
-        let topic = self.arguments.resolve(&settings.topics.detections);
+        let topic = &sources.roles.detections;
         let qos = qos::input(settings.qos.detections, SMALL_DEPTH);
-        match settings.topics.detections_type {
+        match sources.detections_type(settings.topics.detections_type) {
             DetectionsType::VisionMsgs => {
-                self.listen(role, &topic, qos, move |boxes: Detection2DArray, left_out| {
+                self.listen(role, topic, qos, move |boxes: Detection2DArray, left_out| {
                     let (boxes, bad) = convert::detections(&boxes, size.get());
                     left_out.extend(bad);
                     Ok(Heard::Input(Input::Detections(boxes)))
                 })
             }
             DetectionsType::YoloMsgs => {
-                self.listen(role, &topic, qos, move |boxes: DetectionArray, left_out| {
+                self.listen(role, topic, qos, move |boxes: DetectionArray, left_out| {
                     let (boxes, bad) = convert::yolo_detections(&boxes, size.get());
                     left_out.extend(bad);
                     Ok(Heard::Input(Input::Detections(boxes)))
@@ -222,7 +234,7 @@ impl Subscriptions<'_> {
         convert: impl FnMut(M, &mut Vec<ConvertError>) -> Result<Heard, ConvertError> + 'static,
     ) -> Result<(), NotCreated> {
         let subscription = self.node.subscription(topic, &qos)?;
-        self.listening.push(Listening {
+        self.inputs.borrow_mut().listening.push(Listening {
             role: role.role,
             topic: topic.to_owned(),
             type_name: M::TYPE,
@@ -254,14 +266,23 @@ impl ImageSizes {
     }
 }
 
-/// The topic of a transport; a name that has it already is taken as it is.
-fn depth_topic(depth: &str, transport: DepthTransport) -> String {
-    let end = match transport {
-        DepthTransport::Raw => "",
-        DepthTransport::Compressed => "/compressed",
-        DepthTransport::CompressedDepth => "/compressedDepth",
-    };
-    if without_transport(depth) == depth { format!("{depth}{end}") } else { depth.to_owned() }
+impl Sources {
+    /// Whether a topic has images as they are: as it was found, or by its name.
+    fn is_raw(&self, topic: &str) -> bool {
+        match self.types.get(topic) {
+            Some(found) => found == Image::TYPE,
+            None => without_transport(topic) == topic,
+        }
+    }
+
+    /// Whose boxes these are: as they were found, or as the settings say.
+    fn detections_type(&self, named: DetectionsType) -> DetectionsType {
+        match self.types.get(&self.roles.detections).map(String::as_str) {
+            Some(DetectionArray::TYPE) => DetectionsType::YoloMsgs,
+            Some(_) => DetectionsType::VisionMsgs,
+            None => named,
+        }
+    }
 }
 
 /// What a topic is for.

@@ -17,3 +17,4 @@ mod report;
 mod second_visit;
 mod storages;
 mod run;
+mod what_is_what;

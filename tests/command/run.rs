@@ -8,7 +8,9 @@ use ellipsoid_slam::{
         sensor_msgs::CompressedImage,
     },
     perception::{DepthImage, Detection},
-    pipeline::{CameraMessage, CameraRole, DepthMessage, DetectionsMessage, OdometryMessage},
+    pipeline::{
+        CameraMessage, CameraPose, CameraRole, DepthMessage, DetectionsMessage, OdometryMessage,
+    },
     time::Stamp,
 };
 use nalgebra::{Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -19,6 +21,8 @@ use std::{
 
 pub(crate) const CAMERA: &str = "camera_optical";
 pub(crate) const FRAMES: usize = 6;
+/// Where the camera is on the base, which stands on the floor: it looks down by 30 degrees.
+pub(crate) const CAMERA_POSE: &str = "0,0,1.2,0,30,0";
 
 /// The program with arguments, in the project's folder.
 pub(crate) fn run(args: &[&str]) -> Output {
@@ -54,6 +58,8 @@ pub(crate) enum Flaw {
     NoDetections,
     SizesDiffer,
     NoPose,
+    /// Odometry is of a base, and nothing says where the camera is on it.
+    NoTransforms,
     NanPose,
     BoxesOutside,
     /// A label that is HTML.
@@ -135,11 +141,15 @@ pub(crate) fn write_bag(path: &Path, flaw: Flaw) {
         if flaw == Flaw::NanPose && i == 2 {
             pose.translation.vector.x = f64::NAN;
         }
+        let on_base =
+            (flaw == Flaw::NoTransforms).then(|| CAMERA_POSE.parse::<CameraPose>().unwrap());
+        let camera_from_base =
+            on_base.and_then(|on_base| on_base.base_from_camera()).map(|pose| pose.inverse());
         let odometry = OdometryMessage {
             stamp: at,
             frame_id: "odom".into(),
-            child_frame_id: CAMERA.into(),
-            odom_from_base: pose,
+            child_frame_id: if camera_from_base.is_some() { "base_link" } else { CAMERA }.into(),
+            odom_from_base: pose * camera_from_base.unwrap_or_default(),
             covariance: None,
         };
         let size = if flaw == Flaw::SizesDiffer { (320, 240) } else { (160, 120) };

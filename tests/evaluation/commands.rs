@@ -1,6 +1,10 @@
 //! `simulate`, `import tum`, `replay` and `eval` as a user calls them.
 
-use ellipsoid_slam::{eval::GroundTruth, io::BagReader};
+use ellipsoid_slam::{
+    eval::GroundTruth,
+    io::BagReader,
+    msg::{cdr::decode, sensor_msgs::CameraInfo},
+};
 use serde_json::Value;
 use std::{
     collections::BTreeMap,
@@ -147,16 +151,53 @@ fn printed_settings_are_read_again() {
 }
 
 #[test]
+fn a_download_of_the_benchmark_is_imported_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let tum = folder.join("tum");
+    fs::create_dir_all(&tum).unwrap();
+    let write = |name: &str, bytes: &[u8]| fs::write(tum.join(name), bytes).unwrap();
+    write("depth.png", &grey_png(640, 480));
+    write("color.png", &grey_png(640, 480));
+    // Both depth images are nearest to the second colour image, which belongs to the second; the third has none.
+    write("rgb.txt", b"# color images\n1.00 color.png\n1.02 color.png\n");
+    write("depth.txt", b"# depth maps\n1.015 depth.png\n1.022 depth.png\n1.50 depth.png\n");
+    write("groundtruth.txt", b"# ground truth\n0.9 0 0 1 0 0 0 1\n1.6 0 0 1 0 0 0 1\n");
+    let says = fails(folder, "import tum tum --output a.mcap", 1);
+    assert!(says.contains("no camera.yaml") && says.contains("--camera fr1"), "{says}");
+    let says = succeeds(folder, "import tum tum --camera fr2 --output a.mcap");
+    assert!(says.contains("2 RGB-D frames, 0 boxes") && says.contains("--model"), "{says}");
+    // The name of the folder says as much.
+    fs::rename(&tum, folder.join("rgbd_dataset_freiburg2_desk")).unwrap();
+    succeeds(folder, "import tum rgbd_dataset_freiburg2_desk --output b.mcap");
+    let [a, b] = ["a.mcap", "b.mcap"].map(|bag| fs::read(folder.join(bag)).unwrap());
+    assert!(a == b);
+    let bag = BagReader::open(&folder.join("a.mcap")).unwrap();
+    let infos = bag.messages().only(["/camera/color/camera_info"]);
+    let infos: Vec<CameraInfo> = infos.map(|m| decode(&m.data).unwrap()).collect();
+    let stamps: Vec<u32> = infos.iter().map(|info| info.header.stamp.nanosec).collect();
+    assert_eq!(stamps, [0, 20_000_000]);
+    assert_eq!((infos[0].k[0], infos[0].k[5], infos[0].d[4]), (520.9, 249.7, 0.9172));
+}
+
+/// A picture of 16-bit grey.
+fn grey_png(width: u32, height: u32) -> Vec<u8> {
+    let mut picture = Vec::new();
+    let mut encoder = png::Encoder::new(&mut picture, width, height);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    let pixels = vec![20; 2 * width as usize * height as usize];
+    encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
+    picture
+}
+
+#[test]
 fn an_imported_folder_keeps_its_truth() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let tum = folder.join("tum");
     fs::create_dir_all(tum.join("bbox")).unwrap();
-    let mut depth = Vec::new();
-    let mut encoder = png::Encoder::new(&mut depth, 4, 2);
-    encoder.set_color(png::ColorType::Grayscale);
-    encoder.set_depth(png::BitDepth::Sixteen);
-    encoder.write_header().unwrap().write_image_data(&[20; 16]).unwrap();
+    let depth = grey_png(4, 2);
     let write = |name: &str, bytes: &[u8]| fs::write(tum.join(name), bytes).unwrap();
     write("depth.png", &depth);
     write("color.png", &depth);

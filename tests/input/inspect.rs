@@ -2,8 +2,10 @@
 
 use crate::fixtures::{self, Line, PLAIN, bag, line, scene};
 use ellipsoid_slam::{
-    io::{BagReport, Role, inspect},
+    io::{BagReport, inspect},
     msg::sensor_msgs::Image,
+    pipeline::SyncSettings,
+    topics::Role,
 };
 use std::fs;
 
@@ -12,7 +14,7 @@ fn report(lines: &[Line], remaps: &[&str]) -> BagReport {
     let path = folder.path().join("a.mcap");
     fs::write(&path, bag(lines, PLAIN)).unwrap();
     let remaps: Vec<_> = remaps.iter().map(|text| text.parse().unwrap()).collect();
-    inspect(&path, &remaps, 0.02).unwrap()
+    inspect(&path, &remaps, &SyncSettings::default(), false).unwrap()
 }
 
 fn without(topic: &str) -> Vec<Line> {
@@ -70,6 +72,27 @@ fn a_good_bag_has_no_problems() {
     let json = serde_json::to_value(&report).unwrap();
     assert_eq!(json["roles"]["depth"], "/camera/depth/image");
     assert_eq!(json["streams"][0]["role"], "rgb");
+}
+
+#[test]
+fn what_was_chosen_and_why_is_said_and_depth_is_known_by_its_format() {
+    let mut lines = scene();
+    for at in [0, 2] {
+        // Painted for people, and depth under a name that does not say so.
+        let painted = Image { encoding: "rgb8".into(), ..fixtures::depth(at) };
+        lines.push(line("/aligned_depth/painted", at, &painted));
+        lines.push(line(
+            "/zed/range",
+            at,
+            &Image { encoding: "16UC1".into(), ..fixtures::depth(at) },
+        ));
+    }
+    let report = report(&lines, &[]);
+    assert_eq!(report.roles.depth, "/camera/depth/image");
+    let text = report.to_string();
+    let why = "is /camera/depth/image, rather than /zed/range, which is not called depth";
+    assert!(text.contains(why), "{text}");
+    assert_eq!(report.choices.iter().find(|c| c.role == Role::Depth).unwrap().rather_than.len(), 1);
 }
 
 #[test]
@@ -163,6 +186,7 @@ fn sizes_that_differ_are_a_problem_and_a_bad_remap_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     fs::write(&path, bag(&scene(), PLAIN)).unwrap();
-    let says = inspect(&path, &["depth:=/nope".parse().unwrap()], 0.02).unwrap_err().to_string();
+    let remaps = ["depth:=/nope".parse().unwrap()];
+    let says = inspect(&path, &remaps, &SyncSettings::default(), false).unwrap_err().to_string();
     assert!(says.contains("/nope"), "{says}");
 }

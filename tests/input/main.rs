@@ -4,6 +4,7 @@
 mod bags;
 mod cameras;
 mod cdr;
+mod choice;
 mod color;
 mod damage;
 mod definitions;

@@ -1,7 +1,6 @@
 //! Which topic is used for what.
 
 use ellipsoid_slam::{
-    io::{Remap, RoleError, Roles, Topic},
     msg::{
         Message,
         nav_msgs::Odometry,
@@ -9,6 +8,7 @@ use ellipsoid_slam::{
         tf2_msgs::TFMessage,
         vision_msgs::Detection2DArray,
     },
+    topics::{Remap, RoleError, Roles, Topic},
 };
 
 const IMAGE: &str = Image::TYPE;
@@ -24,6 +24,7 @@ fn topics(list: &[(&str, &str)]) -> Vec<Topic> {
         type_name: (*type_name).into(),
         encoding: "cdr".into(),
         messages: 3,
+        format: None,
     };
     list.iter().map(topic).collect()
 }

@@ -23,7 +23,17 @@ const FAULTS: [(&str, &str); 7] = [
 #[test]
 fn faults_of_publishers_are_named_once_and_in_diagnostics() {
     let stage = Stage::new();
-    let node = stage.node(&["-p", "qos.camera_info:=reliable"]);
+    let mut args = vec!["-p", "qos.camera_info:=reliable"];
+    let named = [
+        "topics.rgb:=''",
+        "topics.depth:=depth/image",
+        "topics.camera_info:=rgb/camera_info",
+        "topics.depth_camera_info:=''",
+        "topics.odometry:=odom",
+        "topics.detections:=detections",
+    ];
+    args.extend(named.iter().flat_map(|topic| ["-p", topic]));
+    let node = stage.node(&args);
     node.wait_for("runs in domain");
     let _malformed = stage.start(stage.peer("cyclone_malformed.py", &[]), "malformed");
     let sentences = FAULTS.map(|(_, words)| words);

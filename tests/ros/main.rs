@@ -9,6 +9,7 @@ mod cyclone;
 mod environment;
 mod fast_dds;
 mod faults;
+mod finding;
 #[path = "../input/mutants.rs"]
 mod mutants;
 mod packets;

@@ -12,7 +12,11 @@ use std::{
 
 pub(crate) const BAG: &str = "bags/desk.mcap";
 /// The node's arguments for the topics of the demo bag.
-pub(crate) const BAG_TOPICS: [&str; 10] = [
+pub(crate) const BAG_TOPICS: [&str; 14] = [
+    "-p",
+    "topics.detections:=/detections",
+    "-p",
+    "topics.depth_camera_info:=''",
     "-p",
     "topics.depth:=/camera/aligned_depth_to_color/image_raw",
     "-p",

@@ -61,10 +61,6 @@ impl FrameGraph {
             let (from, to) = (from.as_ref()?, to.as_ref()?);
             Some(self.reachable(from, |_| true).contains(to.as_str()))
         };
-        let camera_moves = camera.as_ref().is_some_and(|camera| {
-            let fixed = self.reachable(camera, |is_static| is_static);
-            self.reachable(camera, |_| true).len() > fixed.len()
-        });
         let link = |((parent, child), is_static): (&(String, String), &bool)| FrameLink {
             parent: parent.clone(),
             child: child.clone(),
@@ -74,11 +70,17 @@ impl FrameGraph {
             links: self.links.iter().map(link).collect(),
             base_to_camera: connected(&base, &camera),
             depth_to_camera: connected(&depth, &camera),
-            camera_moves,
+            camera_moves: camera.as_ref().is_some_and(|camera| self.moves(camera)),
             base,
             camera,
             depth,
         }
+    }
+
+    /// Whether a moving transform leads to the frame.
+    pub(super) fn moves(&self, frame: &str) -> bool {
+        let fixed = self.reachable(frame, |is_static| is_static);
+        self.reachable(frame, |_| true).len() > fixed.len()
     }
 
     /// All frames that links of the accepted kinds connect with `from`, itself included.

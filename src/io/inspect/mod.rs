@@ -5,38 +5,45 @@ mod report;
 mod stamps;
 
 pub use frames::{FrameLink, Frames};
-pub use report::{BagReport, Stream};
+pub use report::{BagReport, NO_ODOMETRY, Stream};
 pub use stamps::{Coverage, Matching, Rhythm};
 
-use super::{
-    BagReader, BagWarning, Decoder, InputError, RawMessage, Remap, Role, RoleError, Roles,
-    bag_input::check_usable,
-};
+use super::{BagReader, BagWarning, Decoder, InputError, RawMessage, bag_input::check_usable};
 use crate::{
     msg::{cdr::decode_header, std_msgs::Header},
-    pipeline::Input,
+    pipeline::{Input, SyncSettings},
     time::Stamp,
+    topics::{Assigned, Remap, Role, RoleError, Roles},
 };
 use frames::FrameGraph;
 use std::{collections::BTreeMap, path::Path};
 
 /// Looks at a bag: what would be used, at what rate, how well stamps match and what is missing.
 ///
-/// Stamps that differ by at most `slop_s` seconds are paired, as in the replay.
+/// Stamps are paired as in a replay with the same settings. Where a detector `finds_boxes` in the colour images, those
+/// must be there instead of boxes.
 ///
 /// # Errors
 /// When the bag cannot be read, or a remap does not fit. What is missing is in the report.
-pub fn inspect(path: &Path, remaps: &[Remap], slop_s: f64) -> Result<BagReport, InputError> {
-    let bag = BagReader::open(path)?;
+pub fn inspect(
+    path: &Path,
+    remaps: &[Remap],
+    settings: &SyncSettings,
+    finds_boxes: bool,
+) -> Result<BagReport, InputError> {
+    let (bag, slop_s) = (BagReader::open(path)?, settings.slop_s);
     let roles_error = |source| InputError::Roles { path: path.to_owned(), source };
-    let (roles, missing) = Roles::assign_all(bag.topics(), remaps).map_err(roles_error)?;
+    let assigned = Roles::assign_all(bag.topics(), remaps).map_err(roles_error)?;
+    let assigned = if finds_boxes { assigned.for_detector() } else { assigned };
+    let Assigned { roles, missing, choices } = assigned;
     let seen = Seen::read(&bag, &roles);
-    let mut problems = Vec::new();
+    let mut problems: Vec<String> = Vec::new();
     if missing.is_empty() {
         problems.extend(check_usable(&bag, &roles, path).err().map(|error| error.to_string()));
     } else {
         problems.push(RoleError::missing(missing, bag.topics()).to_string());
     }
+    let is_usable = problems.is_empty();
     let warnings: Vec<String> =
         bag.warnings().chain(&seen.warnings).map(BagWarning::to_string).collect();
     let mut report = BagReport {
@@ -49,13 +56,15 @@ pub fn inspect(path: &Path, remaps: &[Remap], slop_s: f64) -> Result<BagReport, 
         detections_to_depth: seen.matching(Role::Detections, slop_s),
         rgb_to_depth: seen.matching(Role::Rgb, slop_s),
         odometry: seen.coverage(),
-        frames: seen.frames(&roles),
+        frames: seen.frames(&roles, settings),
         roles,
+        choices,
         warnings,
         problems,
+        can_be_replayed: false,
     };
-    let found = report.find_problems();
-    report.problems.extend(found);
+    report.problems.extend(report.find_problems());
+    report.can_be_replayed = is_usable && report.has_frames();
     Ok(report)
 }
 
@@ -139,10 +148,16 @@ impl Seen {
         Coverage::of(self.stamps(Role::Odometry), self.stamps(Role::Depth))
     }
 
-    fn frames(&self, roles: &Roles) -> Frames {
+    fn frames(&self, roles: &Roles, settings: &SyncSettings) -> Frames {
         let first_of = |role| self.by_role.get(&role)?.frames.first().cloned();
         let odometry = roles.odometry.as_ref().and_then(|_| self.base_frame.clone());
-        self.graph.frames(odometry, first_of(Role::CameraInfo), first_of(Role::Depth))
+        let (camera, depth) = (first_of(Role::CameraInfo), first_of(Role::Depth));
+        let mut frames = self.graph.frames(odometry, camera, depth);
+        if settings.camera_pose.base_from_camera().is_some() {
+            frames.base_to_camera = Some(true);
+            frames.camera_moves = self.graph.moves(&settings.base_frame);
+        }
+        frames
     }
 }
 

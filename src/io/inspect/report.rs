@@ -1,7 +1,7 @@
 //! What was found, in words to act on.
 
 use super::{Coverage, Frames, Matching, Rhythm};
-use crate::io::{Role, Roles, Topic};
+use crate::topics::{Choice, Role, Roles, Topic};
 use serde::Serialize;
 use std::{fmt, path::PathBuf};
 
@@ -18,6 +18,8 @@ pub struct BagReport {
     pub topics: Vec<Topic>,
     /// Which topic would be used for what; empty names where nothing fits.
     pub roles: Roles,
+    /// What was chosen, and what else could serve.
+    pub choices: Vec<Choice>,
     /// The topics that would be used.
     pub streams: Vec<Stream>,
     /// Largest difference between stamps that are paired, in seconds.
@@ -34,6 +36,8 @@ pub struct BagReport {
     pub warnings: Vec<String>,
     /// What is missing or wrong, and what to do; empty if the bag can be replayed as it is.
     pub problems: Vec<String>,
+    /// Whether a replay would make a map, perhaps a poor one.
+    pub can_be_replayed: bool,
 }
 
 /// A topic that would be used.
@@ -55,10 +59,30 @@ pub struct Stream {
     pub rhythm: Rhythm,
 }
 
+/// What to do where nothing says how the robot moved.
+pub const NO_ODOMETRY: &str = "there is no odometry, neither as nav_msgs/msg/Odometry (name it with `-r odometry:=/topic`) nor \
+    as a moving transform on /tf that leads to the camera: the robot's wheels give it, a visual-inertial odometry does (of a ZED, a \
+    RealSense T265, OpenVINS), or rtabmap's from the images alone (`ros2 run rtabmap_odom rgbd_odometry`); record it with \
+    `ros2 bag record /odom /tf /tf_static` and the camera's topics";
+
 /// A part of a topic's messages without a depth image that is lost in any recording, at its ends for example.
 const USUAL_LOSS: f64 = 0.1;
 
 impl BagReport {
+    /// Whether some depth images have boxes and a pose, as far as stamps and frames tell.
+    pub(super) fn has_frames(&self) -> bool {
+        let has_pose = match &self.roles.odometry {
+            Some(_) => {
+                let covered = self.odometry.as_ref().is_some_and(|covered| covered.share > 0.0);
+                covered && self.frames.base_to_camera != Some(false)
+            }
+            None => self.frames.camera_moves,
+        };
+        let boxes = self.detections_to_depth.as_ref();
+        let has_boxes = boxes.is_none_or(|boxes| boxes.within_slop_share > 0.0);
+        has_pose && has_boxes && self.frames.depth_to_camera != Some(false)
+    }
+
     /// What the numbers mean for a replay.
     pub(super) fn find_problems(&self) -> Vec<String> {
         let mut problems = Vec::new();
@@ -100,11 +124,7 @@ impl BagReport {
 
     fn odometry_problem(&self) -> Option<String> {
         match (&self.roles.odometry, &self.odometry) {
-            (None, _) if !self.frames.camera_moves => Some(
-                "there is no odometry, neither as nav_msgs/msg/Odometry (name it with `-r odometry:=/topic`) nor as \
-                 a moving transform on /tf that leads to the camera"
-                    .to_owned(),
-            ),
+            (None, _) if !self.frames.camera_moves => Some(NO_ODOMETRY.to_owned()),
             (Some(topic), Some(Coverage { share })) if *share < 0.999 => Some(format!(
                 "{topic} covers only {:.0} % of the depth images; the others cannot be used",
                 100.0 * share
@@ -119,7 +139,8 @@ impl BagReport {
         let mut problems = Vec::new();
         if *base_to_camera == Some(false) {
             problems.push(format!(
-                "no transforms connect the base `{}` with the camera `{}`: record /tf and /tf_static",
+                "no transforms connect the base `{}` with the camera `{}`: record /tf and /tf_static, or say where \
+                 the camera is with `--camera-pose X,Y,Z,ROLL,PITCH,YAW`",
                 name(base),
                 name(camera)
             ));
@@ -146,6 +167,10 @@ impl BagReport {
                 rhythm.max_gap_s,
                 frames.join(", ")
             )?;
+            let chosen = self.choices.iter().find(|choice| choice.role == *role);
+            if let Some(choice) = chosen.filter(|choice| !choice.rather_than.is_empty()) {
+                writeln!(f, "  {:<18} is {choice}", "")?;
+            }
         }
         for (name, topics) in [("tf", &self.roles.tf), ("tf_static", &self.roles.tf_static)] {
             if !topics.is_empty() {
