@@ -16,6 +16,7 @@ mod detector;
 mod eval;
 mod eval_table;
 mod experiment;
+mod export;
 mod import;
 mod inspect;
 mod interruption;
@@ -68,6 +69,7 @@ enum Command {
     Simulate(simulate::Args),
     Eval(eval::Args),
     Show(show::Args),
+    Export(export::Args),
     Experiment(experiment::Args),
     Config(config::Args),
 }
@@ -146,6 +148,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => simulate::run(args),
         Command::Eval(args) => eval::run(args),
         Command::Show(args) => show::run(args),
+        Command::Export(args) => export::run(args),
         Command::Experiment(args) => experiment::run(args),
         Command::Config(args) => config::run(args),
     };

@@ -114,8 +114,8 @@ impl BagReader {
 
     /// All messages in the order of their log time, or in that of the files where it is the same.
     pub fn messages(&self) -> Messages<'_> {
-        let of_file = |(file, mcap): (usize, &BagFile)| {
-            mcap.spans.iter().map(|span| PendingSpan { file, span: *span }).collect::<Vec<_>>()
+        let of_file = |(file, source): (usize, &BagFile)| {
+            source.spans.iter().map(|span| PendingSpan { file, span: *span }).collect::<Vec<_>>()
         };
         let mut pending: Vec<PendingSpan> =
             self.files.iter().enumerate().flat_map(of_file).collect();
@@ -245,14 +245,15 @@ impl<'a> Messages<'a> {
             _ => sqlite_file::connect(&source.data)
                 .map_err(|e| Damage::Rows { problem: e.to_string() })?,
         };
-        let first = span.offset as usize;
-        let rows = source.rows.iter().flatten().skip(first).take(span.bytes as usize);
+        let (first, count) = (span.offset as usize, span.bytes as usize);
+        let all = source.rows.as_deref().unwrap_or_default();
+        let part = all.get(first..first + count).unwrap_or_default();
         let only = &self.only;
         let wanted = |channel: &u16| {
             let topic = source.channels.get(channel).map(|channel| &channel.topic);
             topic.is_some_and(|name| only.as_ref().is_none_or(|only| only.contains(&**name)))
         };
-        let rows: Vec<Row> = rows.filter(|row| wanted(&row.channel)).copied().collect();
+        let rows: Vec<Row> = part.iter().filter(|row| wanted(&row.channel)).copied().collect();
         let ready = &mut self.ready;
         let outcome = read_rows(&database, &rows, |row, data| {
             ready.push(Reverse(Ready {

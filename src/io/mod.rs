@@ -8,6 +8,7 @@ mod bag_reader;
 mod bag_writer;
 mod decode;
 mod error;
+mod export;
 mod found_boxes;
 mod inspect;
 mod map_file;
@@ -25,6 +26,7 @@ pub use bag_reader::{BagReader, Messages, RawMessage};
 pub use bag_writer::BagWriter;
 pub use decode::{Decoder, color_message, decode_color};
 pub use error::{BagError, BagWarning, Damage, disk_problem};
+pub use export::{MapFormat, export_map};
 pub use found_boxes::FoundBoxes;
 pub use inspect::{
     BagReport, Coverage, FrameLink, Frames, Matching, NO_ODOMETRY, Rhythm, Stream, inspect,

@@ -142,28 +142,30 @@ impl MapObject {
     /// What the object covers of the ground, so many standard deviations wider than estimated: the corners of a convex
     /// polygon round its outline, counter-clockwise seen from above.
     pub fn footprint(&self, sigmas: f64) -> Vec<Point2<f64>> {
-        let grown = self.oriented_box(sigmas);
-        let half = grown.half_extents;
-        let is_cornered = matches!(self.outline, Outline::Cuboid);
-        let sides = if is_cornered { 4 } else { ROUND_SIDES };
-        // Tangents of the outline in directions all round, and where neighbours meet.
-        let tangent = |k: usize| {
-            let angle = TAU * k as f64 / sides as f64;
-            let direction = Vector3::new(angle.cos(), angle.sin(), 0.0);
-            let reach = if is_cornered { Outline::Cuboid } else { self.outline }
-                .support(&direction, &half)
-                .reach;
-            (direction.xy(), reach)
-        };
-        let corner = |k: usize| {
-            let ((a, reach_a), (b, reach_b)) = (tangent(k), tangent((k + 1) % sides));
-            let cross = a.perp(&b);
-            let at = Vector2::new(reach_a * b.y - reach_b * a.y, a.x * reach_b - b.x * reach_a);
-            let at = at / cross;
-            (grown.pose * Point3::new(at.x, at.y, 0.0)).xy()
-        };
-        (0..sides).map(corner).collect()
+        footprint_of(&self.oriented_box(sigmas), self.outline)
     }
+}
+
+/// What a body in an upright box covers of the ground: the corners of a convex polygon round its outline, counter-clockwise
+/// seen from above.
+pub fn footprint_of(body: &OrientedBox, outline: Outline) -> Vec<Point2<f64>> {
+    let half = body.half_extents;
+    let is_cornered = matches!(outline, Outline::Cuboid);
+    let sides = if is_cornered { 4 } else { ROUND_SIDES };
+    // Tangents of the outline in directions all round, and where neighbours meet.
+    let tangent = |k: usize| {
+        let angle = TAU * k as f64 / sides as f64;
+        let direction = Vector3::new(angle.cos(), angle.sin(), 0.0);
+        (direction.xy(), outline.support(&direction, &half).reach)
+    };
+    let corner = |k: usize| {
+        let ((a, reach_a), (b, reach_b)) = (tangent(k), tangent((k + 1) % sides));
+        let cross = a.perp(&b);
+        let at = Vector2::new(reach_a * b.y - reach_b * a.y, a.x * reach_b - b.x * reach_a);
+        let at = at / cross;
+        (body.pose * Point3::new(at.x, at.y, 0.0)).xy()
+    };
+    (0..sides).map(corner).collect()
 }
 
 impl Region {

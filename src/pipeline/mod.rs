@@ -7,6 +7,7 @@ mod input;
 mod mount;
 mod odometry;
 mod placement;
+mod rgbd_frame;
 mod settings;
 mod slam;
 mod stamp_offset;
@@ -21,6 +22,7 @@ pub use input::{
     StampedTransform,
 };
 pub use placement::Calibration;
+pub use rgbd_frame::{FrameError, RgbdFrame};
 pub use settings::Settings;
 pub use slam::{BoxResult, FramePose, Keyframe, ObjectSlam, Update};
 pub use start_pose::{NoStartPose, StartPose};

@@ -36,6 +36,17 @@ pub struct Update {
     pub relocalised: Option<Relocalised>,
 }
 
+impl Update {
+    /// What came of a later input, too.
+    pub(super) fn append(&mut self, later: Self) {
+        self.poses.extend(later.poses);
+        self.keyframes.extend(later.keyframes);
+        self.changes.extend(later.changes);
+        self.dropped.extend(later.dropped);
+        self.relocalised = later.relocalised.or(self.relocalised.take());
+    }
+}
+
 /// Where the base was when a depth image was taken.
 #[derive(Clone, Copy, Debug)]
 pub struct FramePose {

@@ -8,6 +8,7 @@ mod demo_bag;
 mod disk;
 mod evo;
 mod environment;
+mod export;
 mod gtsam;
 mod interruption;
 mod kill;

@@ -1,7 +1,10 @@
 //! Which topic and frame is what, said by hand or found, in `replay` and `inspect` alike.
 
 use crate::run::{CAMERA_POSE, Flaw, run, stderr, truth, write_bag};
-use ellipsoid_slam::{io::load_saved_map, pipeline::CameraPose};
+use ellipsoid_slam::{
+    io::{BagReader, load_saved_map},
+    pipeline::CameraPose,
+};
 use nalgebra::Vector3;
 use std::{fs, process::Output};
 
@@ -70,6 +73,20 @@ fn a_parameter_file_says_which_topics_are_meant() {
     let output =
         said("inspect", Flaw::None, &["--config", file.to_str().unwrap(), "-r", "odom:=/odom"]);
     assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[test]
+fn a_parameter_file_says_what_a_result_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let (bag, out) = (folder.path().join("box.mcap"), folder.path().join("out"));
+    write_bag(&bag, Flaw::None);
+    let published = |setting: &str| {
+        let args = ["replay", bag.to_str().unwrap(), "--output", out.to_str().unwrap(), "--force"];
+        assert!(run(&[&args[..], &["--set", setting]].concat()).status.success());
+        let result = BagReader::open(&out.join("result.mcap")).unwrap();
+        result.topics().iter().any(|topic| topic.name == "/ellipsoid_slam/landmarks")
+    };
+    assert!(published("publish.landmarks=true") && !published("publish.landmarks=false"));
 }
 
 #[test]

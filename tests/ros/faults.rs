@@ -115,7 +115,7 @@ fn zenoh_in_a_program_without_it_is_named() {
 }
 
 /// Waits until diagnostics have had all of this.
-fn in_diagnostics(stage: &Stage, node: &Running, arguments: &[&str]) {
+pub(crate) fn in_diagnostics(stage: &Stage, node: &Running, arguments: &[&str]) {
     let peer = stage.peer("rclpy_diagnostics.py", arguments).output().unwrap();
     succeeded(&peer, node);
 }

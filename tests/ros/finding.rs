@@ -46,3 +46,26 @@ fn remappings_of_nothing_are_errors_that_list_what_there_is() {
         assert!(said.contains("depth/image") && said.contains("~/markers"), "{said}");
     }
 }
+
+/// A bag without boxes is a robot without a detector node: colour images, depth and the rest are found, and boxes come from a
+/// network that gives the same two for every image.
+#[cfg(feature = "detector")]
+#[test]
+fn a_node_with_a_model_needs_no_detector() {
+    use crate::{faults::in_diagnostics, onnx::model, processes::BAG};
+    let stage = Stage::new();
+    let mut boxes = vec![0.0; 10 * 6];
+    boxes[..6].copy_from_slice(&[20.0, 20.0, 40.0, 40.0, 0.9, 0.0]);
+    let (file, labels) = (stage.path("constant.onnx"), stage.path("labels.txt"));
+    std::fs::write(&file, model(&[1, 3, 64, 64], &[(&[1, 10, 6], boxes)])).unwrap();
+    std::fs::write(&labels, "monitor\n").unwrap();
+    let settings = [format!("detector.model:={file}"), format!("detector.labels:={labels}")];
+    let node = stage.node(&settings.iter().flat_map(|s| ["-p", s.as_str()]).collect::<Vec<_>>());
+    node.wait_for("boxes are found by a model of the form end_to_end for 64x64");
+    let topics = "/camera/color/image_raw/compressed,/camera/color/camera_info,/odom,/tf,/tf_static,\
+                  /camera/aligned_depth_to_color/image_raw/compressedDepth";
+    let play = ["play", BAG, "--rate", "2", "--wait", "60", "--topics", topics];
+    succeeded(&stage.program(&play).output().unwrap(), &node);
+    node.wait_for("rgb comes from /camera/color/image_raw/compressed");
+    in_diagnostics(&stage, &node, &["keyframes=5"]);
+}

@@ -12,6 +12,10 @@ mod faults;
 mod finding;
 #[path = "../input/mutants.rs"]
 mod mutants;
+#[cfg(feature = "detector")]
+#[path = "../input/onnx.rs"]
+#[expect(dead_code, reason = "tests of the detector alone need more of it")]
+mod onnx;
 mod packets;
 mod processes;
 mod rtps;

@@ -1,5 +1,6 @@
 //! `ObjectSlam::handle` with hand-made messages.
 
+mod arrays;
 mod calibration;
 mod clocks;
 mod glimpses;
