@@ -1,18 +1,29 @@
-//! Colour images of `result.mcap` with boxes and outlines drawn into them.
+//! Colour images of `result.mcap` with what is known of them: drawn into them, and beside them for viewers that draw it.
 
 use crate::{
+    io::{BagError, BagWriter},
     msg::{
-        convert::{compressed_color_message, header},
-        sensor_msgs::CompressedImage,
+        convert::{ColorMessage, camera_info, compressed_color_message, header, pose_message},
+        foxglove_msgs::ImageAnnotations,
+        geometry_msgs::PoseStamped,
+        sensor_msgs::{CameraInfo, CompressedImage},
     },
-    pipeline::{Keyframe, ObjectSlam},
-    publication::{View, draw_debug_image},
-    report::Shown,
+    pipeline::{CameraMessage, CameraRole, Keyframe, ObjectSlam},
+    publication::{View, draw_debug_image, image_annotations},
+    report::ColorImages,
     time::Stamp,
 };
 
-/// The topic, as the live node's debug image would be compressed.
-pub(super) const TOPIC: &str = "/ellipsoid_slam/debug_image/compressed";
+/// With boxes and outlines drawn in, as the live node's debug image would be compressed.
+const DRAWN: &str = "/ellipsoid_slam/debug_image/compressed";
+/// The image itself.
+pub(super) const PLAIN: &str = "/ellipsoid_slam/image/compressed";
+/// Its calibration, with which Foxglove draws markers over it, too.
+pub(super) const CAMERA: &str = "/ellipsoid_slam/camera_info";
+/// Where its camera was in the map, as known at the time.
+pub(super) const POSE: &str = "/ellipsoid_slam/camera_pose";
+/// What Foxglove draws over it.
+const ANNOTATIONS: &str = "/ellipsoid_slam/annotations";
 
 const QUALITY: u8 = 70;
 /// Time from one image to the next at the beginning (s).
@@ -20,41 +31,92 @@ const PERIOD_S: f64 = 1.0;
 /// After so many images the time between them doubles: two hours bring 1,400.
 const SAME_PERIOD: usize = 300;
 
-/// Draws into some of the images.
+/// Says which images are taken.
 #[derive(Debug)]
 pub(super) struct Annotator {
     period_s: f64,
-    drawn: usize,
+    taken: usize,
     latest: Option<Stamp>,
+}
+
+/// An image with all that belongs to it.
+#[derive(Debug)]
+pub(super) struct Annotated {
+    stamp: Stamp,
+    plain: CompressedImage,
+    drawn: CompressedImage,
+    annotations: ImageAnnotations,
+    camera: CameraInfo,
+    pose: PoseStamped,
 }
 
 impl Default for Annotator {
     fn default() -> Self {
-        Self { period_s: PERIOD_S, drawn: 0, latest: None }
+        Self { period_s: PERIOD_S, taken: 0, latest: None }
     }
 }
 
 impl Annotator {
-    /// What is known of the image's keyframe drawn into it, if it is time for another one.
-    pub(super) fn annotate(
-        &mut self,
-        mut shown: Shown,
-        keyframe: &Keyframe,
-        slam: &ObjectSlam,
-    ) -> Option<CompressedImage> {
-        let since = self.latest.map(|latest| keyframe.stamp.seconds_since(latest));
+    /// Whether it is time for another image; to be asked once for each keyframe.
+    pub(super) fn takes(&mut self, stamp: Stamp) -> bool {
+        let since = self.latest.map(|latest| stamp.seconds_since(latest));
         if since.is_some_and(|since| (0.0..self.period_s).contains(&since)) {
-            return None;
+            return false;
         }
-        self.latest = Some(keyframe.stamp);
-        self.drawn += 1;
-        if self.drawn.is_multiple_of(SAME_PERIOD) {
+        self.latest = Some(stamp);
+        self.taken += 1;
+        if self.taken.is_multiple_of(SAME_PERIOD) {
             self.period_s *= 2.0;
         }
-        let map_from_camera = keyframe.map_from_camera;
+        true
+    }
+}
+
+impl Annotated {
+    /// A keyframe's image with what is known at its time; nothing if it has none that can be used.
+    pub(super) fn of(
+        keyframe: &Keyframe,
+        slam: &ObjectSlam,
+        map_frame: &str,
+        images: &mut ColorImages,
+    ) -> Option<Self> {
+        let (stamp, map_from_camera) = (keyframe.stamp, keyframe.map_from_camera);
         let view = View { camera: keyframe.camera.clone(), map_from_camera };
-        draw_debug_image(&mut shown.image, keyframe, slam.objects(), &view);
-        let header = header(keyframe.stamp, &shown.frame_id);
-        compressed_color_message(header, &shown.image, QUALITY).ok()
+        let image = images.decoded(stamp)?;
+        let message = images.message(stamp)?;
+        let frame_id = message.frame_id().to_owned();
+        let in_camera = header(stamp, &frame_id);
+        let plain = match message {
+            ColorMessage::Compressed(as_it_came) => {
+                CompressedImage { header: in_camera.clone(), ..as_it_came.clone() }
+            }
+            ColorMessage::Raw(_) => {
+                compressed_color_message(in_camera.clone(), &image, QUALITY).ok()?
+            }
+        };
+        let mut drawn = (*image).clone();
+        draw_debug_image(&mut drawn, keyframe, slam.objects(), &view);
+        let annotations = image_annotations(keyframe, slam.objects(), &view);
+        let role = CameraRole::Color;
+        Some(Self {
+            stamp,
+            plain,
+            drawn: compressed_color_message(in_camera, &drawn, QUALITY).ok()?,
+            annotations,
+            camera: camera_info(&CameraMessage { role, stamp, frame_id, camera: view.camera }),
+            pose: PoseStamped {
+                header: header(stamp, map_frame),
+                pose: pose_message(&map_from_camera),
+            },
+        })
+    }
+
+    /// Writes all of it.
+    pub(super) fn write(&self, bag: &mut BagWriter) -> Result<(), BagError> {
+        bag.write(CAMERA, &self.camera, self.stamp)?;
+        bag.write(POSE, &self.pose, self.stamp)?;
+        bag.write(PLAIN, &self.plain, self.stamp)?;
+        bag.write(ANNOTATIONS, &self.annotations, self.stamp)?;
+        bag.write(DRAWN, &self.drawn, self.stamp)
     }
 }

@@ -6,11 +6,9 @@ use super::{
     recording::refuse_existing,
 };
 use crate::{
-    eval::{
-        EstimatedObject, GroundTruth, ObjectScores, TrajectoryScores, evaluate, evaluate_trajectory,
-    },
+    eval::{GroundTruth, ObjectScores, TrajectoryScores, evaluate, evaluate_trajectory},
     io::{read_map, read_trajectory, write_atomically},
-    mapping::SavedMap,
+    report::estimated,
 };
 use anyhow::{Context, ensure};
 use clap::Parser;
@@ -88,7 +86,7 @@ fn evaluate_files(
             Some(evaluate_trajectory(&estimate, &read_trajectory(path)?)?)
         }
     };
-    Ok(Evaluation { objects: evaluate(&estimated(map), &truth), trajectory })
+    Ok(Evaluation { objects: evaluate(&estimated(&map), &truth), trajectory })
 }
 
 fn text_of(path: &Path) -> anyhow::Result<String> {
@@ -98,14 +96,4 @@ fn text_of(path: &Path) -> anyhow::Result<String> {
 /// The true objects of a file.
 pub(super) fn read_ground_truth(path: &Path) -> anyhow::Result<GroundTruth> {
     GroundTruth::from_json(&text_of(path)?).with_context(|| path.display().to_string())
-}
-
-fn estimated(map: SavedMap) -> Vec<EstimatedObject> {
-    let objects = map.objects.into_iter().map(|object| EstimatedObject {
-        id: object.id,
-        label: object.label,
-        ellipsoid: object.ellipsoid,
-        covariance: object.covariance,
-    });
-    objects.collect()
 }

@@ -35,6 +35,7 @@ mod simulate;
 mod simulate_settings;
 mod streams;
 mod timing;
+mod viewer;
 
 #[cfg(feature = "ros")]
 use crate::ros::log_lines;

@@ -5,10 +5,11 @@ use super::{
     detector::{self, DetectorArgs},
     eval::read_ground_truth,
     parameter_args::{ParameterArgs, RemapArgs},
-    report::{Ended, Reporter, clock},
+    report::{Ended, clock},
     results::{Results, check_overwrite},
     streams::Streams,
     timing::{KeyframeTime, Stopwatch, now, peak_memory_mb},
+    viewer::{Looks, Viewer},
 };
 use crate::{
     config::Parameters,
@@ -55,7 +56,7 @@ pub(super) struct Args {
     /// Print the summary as JSON.
     #[arg(long)]
     pub(super) json: bool,
-    /// Write no report.html and no pictures.
+    /// Write no report.html and no pictures; the images in result.mcap stay.
     #[arg(long)]
     pub(super) no_report: bool,
     /// Leave the images with boxes and outlines, and the coloured points, out of result.mcap.
@@ -85,6 +86,8 @@ pub(super) struct Summary {
     relocalised: Option<Relocalisation>,
     /// What was learnt of the camera's mount and of the clocks.
     calibration: Calibration,
+    /// Ends of the walls in the map, seen from above (m).
+    walls: Vec<[[f64; 2]; 2]>,
     pub(super) objects: usize,
     keyframe_time: Option<KeyframeTime>,
     seconds: f64,
@@ -177,17 +180,27 @@ fn inputs(input: &BagInput, find: Option<FindBoxes>) -> Inputs<'_> {
     }
 }
 
+/// What looks on, with the truth of a file where there is one.
+fn viewer<'a>(
+    args: &Args,
+    input: &'a BagInput,
+    map_frame: &str,
+) -> Result<Option<Viewer<'a>>, Failure> {
+    let given =
+        args.ground_truth.as_deref().map(|path| Ok((path.to_owned(), read_ground_truth(path)?)));
+    let given: Option<_> = given.transpose().map_err(Failure::Failed)?;
+    let looks = Looks { images: !args.no_images, report: (!args.no_report).then_some(given) };
+    Ok(Viewer::new(input, looks, map_frame))
+}
+
 /// Replays the bag and writes the results.
 pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
     let started = now();
     let parameters = args.parameters.load()?;
     let (input, find) = open(args, &parameters)?;
     let mut slam = begin(args, parameters.slam.clone())?;
-    let truth =
-        args.ground_truth.as_deref().map(|path| Ok((path.to_owned(), read_ground_truth(path)?)));
-    let truth: Option<_> = truth.transpose().map_err(Failure::Failed)?;
-    let reporter = (!args.no_report).then(|| Reporter::new(&input, truth));
-    let mut run = Run::new(Results::create(folder, &parameters.node)?, reporter, !args.no_images);
+    let viewer = viewer(args, &input, &parameters.node.map_frame)?;
+    let mut run = Run::new(Results::create(folder, &parameters.node)?, viewer, !args.no_images);
     let progress = ProgressBar::new(input.message_count());
     let mut inputs = inputs(&input, find);
     while let Some(message) = inputs.next() {
@@ -233,6 +246,7 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
         refused_boxes: run.refused.clone(),
         relocalised: run.relocalised.clone(),
         calibration: run.calibration,
+        walls: slam.map().wall_ends().map(|ends| ends.map(|end| [end.x, end.y])).collect(),
         objects: slam.objects().count(),
         keyframe_time: run.stopwatch.keyframe_time(),
         seconds: (now() - started).as_secs_f64(),
@@ -245,8 +259,8 @@ pub(super) fn replay(args: &Args, folder: &Path) -> Result<Summary, Failure> {
 /// What a replay counts on its way.
 struct Run<'a> {
     results: Results,
-    reporter: Option<Reporter<'a>>,
-    /// Whether images with boxes and outlines belong to the results.
+    viewer: Option<Viewer<'a>>,
+    /// Whether images and points belong to the results.
     images: bool,
     streams: Streams,
     stopwatch: Stopwatch,
@@ -265,10 +279,10 @@ struct Counted {
 }
 
 impl<'a> Run<'a> {
-    fn new(results: Results, reporter: Option<Reporter<'a>>, images: bool) -> Self {
+    fn new(results: Results, viewer: Option<Viewer<'a>>, images: bool) -> Self {
         Self {
             results,
-            reporter,
+            viewer,
             images,
             streams: Streams::default(),
             stopwatch: Stopwatch::default(),
@@ -283,8 +297,8 @@ impl<'a> Run<'a> {
     }
 
     fn hear(&mut self, input: &Input, log_time: Stamp) {
-        if let Some(reporter) = &mut self.reporter {
-            reporter.read_until(log_time);
+        if let Some(viewer) = &mut self.viewer {
+            viewer.read_until(log_time);
         }
         self.streams.hear(input, log_time);
         self.results.pass_on(input);
@@ -292,11 +306,8 @@ impl<'a> Run<'a> {
 
     fn take(&mut self, update: &Update, slam: &ObjectSlam) {
         self.results.take(update, slam);
-        if let Some(reporter) = &mut self.reporter {
-            let annotated = reporter.take(update, slam);
-            for (stamp, image) in annotated.iter().filter(|_| self.images) {
-                self.results.annotated(*stamp, image);
-            }
+        if let Some(viewer) = &mut self.viewer {
+            viewer.take(update, slam).iter().for_each(|image| self.results.annotated(image));
         }
         self.frames += update.poses.len();
         for keyframe in &update.keyframes {
@@ -329,12 +340,12 @@ impl<'a> Run<'a> {
         let mut json = serde_json::to_string_pretty(summary)?;
         json.push('\n');
         let mut results = self.results;
-        let report = self.reporter.map(|reporter| reporter.finish(slam));
-        if let Some(report) = report.as_ref().filter(|_| self.images) {
-            results.points(report);
+        let viewed = self.viewer.map(|viewer| viewer.finish(slam));
+        if let Some((points, _)) = viewed.as_ref().filter(|_| self.images) {
+            results.points(points);
         }
         let finished = results.finish(slam, &self.stopwatch.csv(), &json)?;
-        let Some(report) = report else { return finished.complete };
+        let Some((_, Some(report))) = viewed else { return finished.complete };
         let ended = Ended {
             bag,
             map: &finished.map,

@@ -1,40 +1,30 @@
-//! The report of a replay: what it listens to in the bag, and the files that come of it.
+//! The files of a report.
 
-use super::{annotated::Annotator, report_truth::HeardTruth, timing::Stopwatch};
+use super::{report_truth::HeardTruth, timing::Stopwatch};
 use crate::{
     eval::GroundTruth,
     geometry::Pose,
-    io::{BagInput, Messages, color_message, disk_problem, map_json, write_atomically},
+    io::{disk_problem, map_json, write_atomically_with},
     mapping::SavedMap,
-    msg::{
-        convert::{header, png, point_cloud},
-        sensor_msgs::{CompressedImage, PointCloud2},
-    },
-    pipeline::{ObjectSlam, Update},
-    report::{Clock, Page, Recorded, Recorder, Truth, plan},
+    msg::convert::png,
+    report::{Clock, MAX_OVERLAYS, Page, Recorded, Truth, plan},
     time::Stamp,
 };
 use anyhow::anyhow;
 use serde_json::Value;
 use std::{
     fs,
-    iter::Peekable,
+    io::{self, Write},
     path::{Path, PathBuf},
 };
 
-/// Everything that a report writes.
-pub(super) const FILES: [&str; 6] =
-    ["report.html", "map.svg", "overlay_1.png", "overlay_2.png", "overlay_3.png", "overlay_4.png"];
+const PAGE: &str = "report.html";
+const PLAN: &str = "map.svg";
 
-/// Reads what only a report needs beside the inputs of the core, as far as these have come.
-pub(super) struct Reporter<'a> {
-    messages: Peekable<Messages<'a>>,
-    rgb: Option<String>,
-    recorder: Recorder,
-    annotator: Annotator,
-    truth: HeardTruth,
-    /// Where it stands, and what it says.
-    given: Option<(PathBuf, GroundTruth)>,
+/// Everything that a report writes into a folder.
+pub(super) fn files(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let overlays = (0..MAX_OVERLAYS).map(|at| overlay_path(folder, at));
+    [PAGE, PLAN].map(|name| folder.join(name)).into_iter().chain(overlays)
 }
 
 /// What the run says of itself at its end.
@@ -48,69 +38,15 @@ pub(super) struct Ended<'a> {
     pub(super) clock: Clock,
 }
 
-impl<'a> Reporter<'a> {
-    pub(super) fn new(input: &'a BagInput, given: Option<(PathBuf, GroundTruth)>) -> Self {
-        let rgb = input.roles().rgb.clone();
-        let topics = rgb.iter().map(String::as_str).chain(HeardTruth::TOPICS);
-        Self {
-            messages: input.bag().messages().only(topics).peekable(),
-            rgb,
-            recorder: Recorder::default(),
-            annotator: Annotator::default(),
-            truth: HeardTruth::default(),
-            given,
-        }
-    }
-
-    /// Reads on until a time of recording.
-    pub(super) fn read_until(&mut self, log_time: Stamp) {
-        while let Some(message) = self.messages.next_if(|next| next.log_time <= log_time) {
-            if self.rgb.as_deref() == Some(&*message.topic) {
-                match color_message(&message) {
-                    Ok(image) => self.recorder.hear_color(image),
-                    Err(why) => tracing::debug!("a colour image cannot be read: {why}"),
-                }
-            } else {
-                self.truth.hear(&message);
-            }
-        }
-    }
-
-    /// Takes note of what came of an input. Returns images with boxes and outlines drawn into them.
-    pub(super) fn take(
-        &mut self,
-        update: &Update,
-        slam: &ObjectSlam,
-    ) -> Vec<(Stamp, CompressedImage)> {
-        let shown = self.recorder.take(update, slam).into_iter();
-        let annotated = shown.filter_map(|shown| {
-            let keyframe = &update.keyframes[shown.keyframe];
-            Some((keyframe.stamp, self.annotator.annotate(shown, keyframe, slam)?))
-        });
-        annotated.collect()
-    }
-
-    /// Nothing more will come.
-    pub(super) fn finish(self, slam: &ObjectSlam) -> Report {
-        let Self { recorder, truth, given, .. } = self;
-        Report { recorded: recorder.finish(slam), truth, given }
-    }
-}
-
 /// What is to be written of a run that has ended.
 pub(super) struct Report {
-    recorded: Recorded,
-    truth: HeardTruth,
-    given: Option<(PathBuf, GroundTruth)>,
+    pub(super) recorded: Recorded,
+    pub(super) truth: HeardTruth,
+    /// Where the truth of a file stands, and what it says.
+    pub(super) given: Option<(PathBuf, GroundTruth)>,
 }
 
 impl Report {
-    /// What was seen, if it has colours.
-    pub(super) fn points(&self, stamp: Stamp, frame_id: &str) -> Option<PointCloud2> {
-        let points = self.recorded.colored_points();
-        (!points.is_empty()).then(|| point_cloud(header(stamp, frame_id), points))
-    }
-
     /// Writes page, plan and pictures; each is whole or not there.
     pub(super) fn write(self, folder: &Path, ended: Ended<'_>) -> anyhow::Result<()> {
         let recorded = self.recorded;
@@ -123,31 +59,50 @@ impl Report {
             let truth = Truth::new(&source, ended.map, &objects);
             truth.with_poses(ended.trajectory, self.truth.poses())
         });
-        let page = recorded.page(&Page {
+        let map_json = map_json(ended.map)?;
+        let page = Page {
             title: &ended.bag.file_name().unwrap_or_default().to_string_lossy(),
             map: ended.map,
-            map_json: &map_json(ended.map)?,
+            map_json: &map_json,
             warnings: ended.warnings,
             summary: ended.summary,
             truth,
             clock: &ended.clock,
-        })?;
-        let poses: Vec<Pose> = ended.trajectory.iter().map(|(_, pose)| *pose).collect();
-        let mut names = FILES.iter().map(|name| folder.join(name));
-        let mut write = |bytes: &[u8]| match names.next() {
-            Some(path) => write_atomically(&path, bytes)
-                .map_err(|e| anyhow!("{} cannot be written: {}", path.display(), disk_problem(&e))),
-            None => Ok(()),
         };
-        write(page.as_bytes())?;
-        write(plan(ended.map, &poses, recorded.walls()).as_bytes())?;
-        for picture in recorded.overlays(ended.map) {
-            write(&png(&picture)?)?;
+        let poses: Vec<Pose> = ended.trajectory.iter().map(|(_, pose)| *pose).collect();
+        let plan = plan(ended.map, &poses, recorded.walls());
+        // One that cannot be written is no reason to have none of the others.
+        let mut written = vec![write(&folder.join(PAGE), |out| recorded.write_page(&page, out))];
+        written.push(write(&folder.join(PLAN), |out| out.write_all(plan.as_bytes())));
+        for at in 0..MAX_OVERLAYS {
+            // Of an earlier replay into the same folder; fails where there are none.
+            let _ = fs::remove_file(overlay_path(folder, at));
         }
-        // Of an earlier replay into the same folder; fails where there are none.
-        names.for_each(|path| drop(fs::remove_file(path)));
-        Ok(())
+        for (at, picture) in recorded.overlays(ended.map).enumerate() {
+            let file = png(&picture)?;
+            written.push(write(&overlay_path(folder, at), |out| out.write_all(&file)));
+        }
+        written.into_iter().collect()
     }
+}
+
+/// Where the picture with a number from 0 on is.
+pub(super) fn overlay_path(folder: &Path, at: usize) -> PathBuf {
+    folder.join(format!("overlay_{}.png", at + 1))
+}
+
+/// Those of many that become pictures: evenly from along the way, with the first and the last.
+pub(super) fn overlays<T>(all: &[T]) -> impl Iterator<Item = &T> {
+    let count = MAX_OVERLAYS.min(all.len());
+    (0..count).map(move |at| &all[at * (all.len() - 1) / (count - 1).max(1)])
+}
+
+fn write(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> anyhow::Result<()> {
+    write_atomically_with(path, content)
+        .map_err(|e| anyhow!("{} cannot be written: {}", path.display(), disk_problem(&e)))
 }
 
 /// The clock's readings of a run.

@@ -2,7 +2,7 @@
 
 use crate::{
     eval::{GroundTruth, MIN_OBSERVATIONS, TrueObject},
-    geometry::{Pose, pose_from_xyzw},
+    geometry::Pose,
     io::RawMessage,
     msg::{
         cdr::decode,
@@ -34,8 +34,7 @@ impl HeardTruth {
             OBJECTS => {
                 if let Ok(array) = decode::<Detection3DArray>(&message.data) {
                     let objects = array.detections.iter().filter_map(true_object).collect();
-                    let frame_id = array.header.frame_id;
-                    self.objects = Some(GroundTruth { frame_id, objects });
+                    self.objects = GroundTruth::new(array.header.frame_id, objects).ok();
                 }
             }
             ODOMETRY => {
@@ -71,14 +70,13 @@ impl HeardTruth {
     }
 }
 
+/// What the message says, if it can be an object.
 fn true_object(found: &Detection3D) -> Option<TrueObject> {
     let (at, turn, size) =
         (&found.bbox.center.position, &found.bbox.center.orientation, &found.bbox.size);
-    Some(TrueObject {
-        id: found.id.parse().ok()?,
-        label: found.results.first()?.hypothesis.class_id.clone(),
-        pose: pose_from_xyzw([at.x, at.y, at.z], [turn.x, turn.y, turn.z, turn.w])?,
-        size: [size.x, size.y, size.z].into(),
-        observations: 0,
-    })
+    let label = found.results.first()?.hypothesis.class_id.clone();
+    let position = [at.x, at.y, at.z];
+    let orientation = [turn.x, turn.y, turn.z, turn.w];
+    let id = found.id.parse().ok()?;
+    TrueObject::new(id, label, position, orientation, [size.x, size.y, size.z]).ok()
 }

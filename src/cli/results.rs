@@ -1,17 +1,15 @@
 //! The files of a replay.
 
-use super::{
-    Failure, annotated,
-    report::{self, Report},
-};
+use super::{Failure, annotated::Annotated, report};
 use crate::{
     config::NodeSettings,
     geometry::Pose,
     io::{BagWriter, disk_problem, map_json, trajectory_text, write_atomically},
     mapping::SavedMap,
-    msg::{convert::tf_message, sensor_msgs::CompressedImage},
+    msg::convert::{header, point_cloud, tf_message},
     pipeline::{FramePose, Input, MAX_FRAMES, ObjectSlam, Update},
     publication::{Outgoing, OutputTopic, Publication, Room, base_transform},
+    report::Placed,
     time::Stamp,
 };
 use anyhow::{Context, anyhow};
@@ -65,12 +63,8 @@ pub(super) struct Finished {
 
 /// Refuses to overwrite an earlier result.
 pub(super) fn check_overwrite(folder: &Path, force: bool) -> Result<(), Failure> {
-    match FILES
-        .iter()
-        .chain(&report::FILES)
-        .map(|name| folder.join(name))
-        .find(|file| file.exists())
-    {
+    let own = FILES.iter().map(|name| folder.join(name));
+    match own.chain(report::files(folder)).find(|file| file.exists()) {
         Some(file) if !force => Err(Failure::Usage(format!(
             "{} exists already; give another folder with --output, or --force to overwrite",
             file.display()
@@ -151,15 +145,16 @@ impl Results {
         }
     }
 
-    /// An image with boxes and outlines drawn into it.
-    pub(super) fn annotated(&mut self, stamp: Stamp, image: &CompressedImage) {
-        self.write(|bag| Ok(bag.write(annotated::TOPIC, image, stamp)?));
+    /// An image with what is known of it.
+    pub(super) fn annotated(&mut self, image: &Annotated) {
+        self.write(|bag| Ok(image.write(bag)?));
     }
 
     /// What was seen, as coloured points in the map.
-    pub(super) fn points(&mut self, report: &Report) {
-        let Some(stamp) = self.latest() else { return };
-        if let Some(cloud) = report.points(stamp, &self.map_frame) {
+    pub(super) fn points(&mut self, points: &Placed) {
+        let (Some(stamp), points) = (self.latest(), points.colored()) else { return };
+        if !points.is_empty() {
+            let cloud = point_cloud(header(stamp, &self.map_frame), points);
             self.write(|bag| Ok(bag.write(POINTS, &cloud, stamp)?));
         }
     }

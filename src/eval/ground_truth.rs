@@ -59,12 +59,20 @@ impl GroundTruth {
     /// When a field is missing, a pose is not finite, a size is not positive or an id comes twice.
     pub fn from_json(text: &str) -> Result<Self, GroundTruthError> {
         let file: File = serde_json::from_str(text)?;
-        let mut ids = BTreeSet::new();
-        if let Some(object) = file.objects.iter().find(|o| !ids.insert(o.id)) {
-            return Err(GroundTruthError::DuplicateId { id: object.id });
-        }
         let objects = file.objects.into_iter().map(checked).collect::<Result<_, _>>()?;
-        Ok(Self { frame_id: file.frame_id, objects })
+        Self::new(file.frame_id, objects)
+    }
+
+    /// The objects in a frame.
+    ///
+    /// # Errors
+    /// When an id comes twice.
+    pub fn new(frame_id: String, objects: Vec<TrueObject>) -> Result<Self, GroundTruthError> {
+        let mut ids = BTreeSet::new();
+        match objects.iter().find(|object| !ids.insert(object.id)) {
+            Some(object) => Err(GroundTruthError::DuplicateId { id: object.id }),
+            None => Ok(Self { frame_id, objects }),
+        }
     }
 
     /// The text of the `*.gt.json` file.
@@ -81,6 +89,29 @@ impl GroundTruth {
 }
 
 impl TrueObject {
+    /// An object at `position` (m), turned by a quaternion xyzw, with its full extents (m); seen in no frame.
+    ///
+    /// # Errors
+    /// When the pose is not finite, a size is not positive or the label is empty.
+    pub fn new(
+        id: u64,
+        label: String,
+        position: [f64; 3],
+        orientation: [f64; 4],
+        size: [f64; 3],
+    ) -> Result<Self, GroundTruthError> {
+        let bad = |problem| GroundTruthError::BadObject { id, problem };
+        let pose = pose_from_xyzw(position, orientation)
+            .ok_or_else(|| bad("the pose is not finite or the quaternion is not of unit length"))?;
+        if !size.iter().all(|s| s.is_finite() && *s > 0.0) {
+            return Err(bad("the size is not positive"));
+        }
+        if label.is_empty() {
+            return Err(bad("the label is empty"));
+        }
+        Ok(Self { id, label, pose, size: size.into(), observations: 0 })
+    }
+
     /// The object's box.
     pub fn oriented_box(&self) -> OrientedBox {
         OrientedBox { pose: self.pose, half_extents: self.size * 0.5 }
@@ -105,16 +136,8 @@ struct Record {
 
 fn checked(record: Record) -> Result<TrueObject, GroundTruthError> {
     let Record { id, label, position, orientation, size, observations } = record;
-    let bad = |problem| GroundTruthError::BadObject { id, problem };
-    let pose = pose_from_xyzw(position, orientation)
-        .ok_or_else(|| bad("the pose is not finite or the quaternion is not of unit length"))?;
-    if !size.iter().all(|s| s.is_finite() && *s > 0.0) {
-        return Err(bad("the size is not positive"));
-    }
-    if label.is_empty() {
-        return Err(bad("the label is empty"));
-    }
-    Ok(TrueObject { id, label, pose, size: size.into(), observations })
+    let object = TrueObject::new(id, label, position, orientation, size)?;
+    Ok(TrueObject { observations, ..object })
 }
 
 fn record(object: &TrueObject) -> Record {

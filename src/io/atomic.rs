@@ -3,7 +3,7 @@
 use std::{
     collections::BTreeSet,
     fs::{self, File},
-    io::{self, Write},
+    io::{self, BufWriter, IntoInnerError, Write},
     path::{Path, PathBuf},
     sync::{Mutex, MutexGuard, PoisonError},
 };
@@ -15,8 +15,21 @@ use tempfile::NamedTempFile;
 /// # Errors
 /// When the folder is not there or not writable, or the disk is full; then nothing is left behind.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let (temporary, mut file) = TemporaryFile::create(path)?;
-    file.write_all(bytes)?;
+    write_atomically_with(path, |out| out.write_all(bytes))
+}
+
+/// The same with what `write` writes, for files that are not to be in memory as a whole.
+///
+/// # Errors
+/// Likewise, and those of `write`.
+pub fn write_atomically_with(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let (temporary, file) = TemporaryFile::create(path)?;
+    let mut out = BufWriter::new(file);
+    write(&mut out)?;
+    let file = out.into_inner().map_err(IntoInnerError::into_error)?;
     // Otherwise the name may reach the disk before the content.
     file.sync_all()?;
     drop(file);

@@ -20,7 +20,7 @@ mod tum_camera;
 mod tum_folder;
 mod unpacked;
 
-pub use atomic::{remove_unfinished, write_atomically};
+pub use atomic::{remove_unfinished, write_atomically, write_atomically_with};
 pub use bag_input::{BagInput, InputError, Inputs};
 pub use bag_reader::{BagReader, Messages, RawMessage};
 pub use bag_writer::BagWriter;

@@ -6,6 +6,7 @@
 pub mod builtin_interfaces;
 pub mod diagnostic_msgs;
 pub mod ellipsoid_slam;
+pub mod foxglove_msgs;
 pub mod geometry_msgs;
 pub mod nav_msgs;
 pub mod rosgraph_msgs;

@@ -154,4 +154,22 @@ const DEFINITIONS: &[(&str, &str)] = &[
     ("yolo_msgs/KeyPoint3DArray", include_str!("../../msg/ros/yolo_msgs/KeyPoint3DArray.msg")),
     ("yolo_msgs/Detection", include_str!("../../msg/ros/yolo_msgs/Detection.msg")),
     ("yolo_msgs/DetectionArray", include_str!("../../msg/ros/yolo_msgs/DetectionArray.msg")),
+    ("foxglove_msgs/Color", include_str!("../../msg/ros/foxglove_msgs/Color.msg")),
+    ("foxglove_msgs/Point2", include_str!("../../msg/ros/foxglove_msgs/Point2.msg")),
+    (
+        "foxglove_msgs/CircleAnnotation",
+        include_str!("../../msg/ros/foxglove_msgs/CircleAnnotation.msg"),
+    ),
+    (
+        "foxglove_msgs/PointsAnnotation",
+        include_str!("../../msg/ros/foxglove_msgs/PointsAnnotation.msg"),
+    ),
+    (
+        "foxglove_msgs/TextAnnotation",
+        include_str!("../../msg/ros/foxglove_msgs/TextAnnotation.msg"),
+    ),
+    (
+        "foxglove_msgs/ImageAnnotations",
+        include_str!("../../msg/ros/foxglove_msgs/ImageAnnotations.msg"),
+    ),
 ];

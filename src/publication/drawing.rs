@@ -3,7 +3,7 @@
 use super::View;
 use crate::{
     geometry::{Ellipsoid, Outline, Rect},
-    mapping::MapObject,
+    mapping::{MapObject, SavedMap},
     msg::convert::{RgbImage, color_of},
     pipeline::Keyframe,
 };
@@ -45,7 +45,7 @@ pub fn draw_debug_image<'a>(
 }
 
 /// Draws the outlines of bodies in the map with the colours of their labels.
-pub fn draw_objects<'a>(
+fn draw_objects<'a>(
     image: &mut RgbImage,
     bodies: impl IntoIterator<Item = (&'a str, Ellipsoid, Outline)>,
     view: &View,
@@ -58,6 +58,12 @@ pub fn draw_objects<'a>(
             let Ok(()) = line.into_styled(style).draw(&mut canvas);
         }
     }
+}
+
+/// Draws the outlines of the objects of a saved map.
+pub fn draw_saved_objects(image: &mut RgbImage, map: &SavedMap, view: &View) {
+    let objects = map.objects.iter();
+    draw_objects(image, objects.map(|o| (o.label.as_str(), o.ellipsoid, o.outline)), view);
 }
 
 /// Lines (px) that show a body of the map in the image: edges of a cuboid, the rims of a

@@ -4,13 +4,15 @@
 //! cost more the larger the map grows, a large map is published less often (`OBJECTS_PER_SECOND`), and nothing is
 //! published as long as nothing changes.
 
+mod annotations;
 mod drawing;
 mod outgoing;
 mod query;
 mod room;
 mod way;
 
-pub use drawing::{draw_debug_image, draw_objects, outline_in_image};
+pub use annotations::image_annotations;
+pub use drawing::{draw_debug_image, draw_saved_objects, outline_in_image};
 pub use outgoing::{Outgoing, OutputTopic};
 pub use query::{View, query_objects};
 pub use room::Room;

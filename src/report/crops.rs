@@ -1,6 +1,9 @@
 //! What of images shows an object.
 
-use super::{picture::thumbnail, thinned::Thinned};
+use super::{
+    picture::{as_base64, thumbnail},
+    thinned::Thinned,
+};
 use crate::{
     geometry::Rect,
     mapping::ObjectId,
@@ -15,16 +18,16 @@ const MAX_CROPS: usize = 8;
 const SIDE_PX: u32 = 120;
 /// Share of the box that is shown around it.
 const MARGIN: f64 = 0.08;
-/// All crops together (bytes of base64).
-const BUDGET: usize = 4_000_000;
+/// All crops together (bytes).
+const BUDGET: usize = 3_000_000;
 
 /// A part of an image that a detector's box of the object was in.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Crop {
     /// When, since the start (s).
     t: f64,
-    /// A JPEG in base64.
-    jpeg: String,
+    #[serde(serialize_with = "as_base64")]
+    jpeg: Vec<u8>,
 }
 
 #[derive(Debug, Default)]

@@ -14,7 +14,10 @@ use super::{
 use crate::mapping::SavedMap;
 use serde::Serialize;
 use serde_json::Value;
-use std::{borrow::Cow, collections::BTreeMap};
+use std::{
+    collections::BTreeMap,
+    io::{self, Write},
+};
 
 /// The clock's readings: all of a page that differs from one run to the next.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -91,29 +94,22 @@ impl Recorded {
     /// Poses of a way on the page, at most.
     pub(super) const MAX_WAY: usize = 3_000;
 
-    /// The page as one file.
+    /// Writes the page, which is one file. It is never in memory as a whole.
     ///
     /// # Errors
-    /// When a number cannot be written.
-    pub fn page(&self, page: &Page<'_>) -> serde_json::Result<String> {
-        let clock = serde_json::to_string(page.clock)?;
-        let run = serde_json::to_string(&self.data(page))?;
-        let mut text = String::with_capacity(run.len() + 1_000_000);
+    /// When it cannot be written.
+    pub fn write_page(&self, page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
         let mut parts = HTML.split("<!-- here -->");
-        text.push_str(parts.next().unwrap_or_default());
-        text.push_str(&format!("<style>\n{STYLE}</style>\n"));
-        text.push_str(parts.next().unwrap_or_default());
+        let mut next_part = || parts.next().unwrap_or_default();
+        write!(out, "{}<style>\n{STYLE}</style>\n{}", next_part(), next_part())?;
         // Each on a line of its own: without the clock's line, pages of one bag are the same.
-        for (id, data) in [("map", page.map_json), ("run", &run), ("clock", &clock)] {
-            text.push_str(&format!("<script type=\"application/json\" id=\"{id}\">"));
-            text.push_str(&inert(data));
-            text.push_str("</script>\n");
-        }
+        data_element(out, "map", |to| write_lines(page.map_json, to))?;
+        data_element(out, "run", |to| Ok(serde_json::to_writer(to, &self.data(page))?))?;
+        data_element(out, "clock", |to| Ok(serde_json::to_writer(to, page.clock)?))?;
         for script in SCRIPTS {
-            ["<script>\n", script, "</script>\n"].iter().for_each(|part| text.push_str(part));
+            write!(out, "<script>\n{script}</script>\n")?;
         }
-        text.push_str(parts.next().unwrap_or_default());
-        Ok(text)
+        out.write_all(next_part().as_bytes())
     }
 
     fn data<'a>(&'a self, page: &'a Page<'_>) -> Data<'a> {
@@ -156,7 +152,7 @@ impl Recorded {
     fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         let (keyframes, images) = (self.counts.len(), &self.images);
-        if images.used == 0 && images.undecodable == 0 {
+        if images.used == 0 && images.unusable == 0 {
             notes.push(
                 "There are no colour images: the bag has none, or none near a depth image.".into(),
             );
@@ -167,7 +163,7 @@ impl Recorded {
             ));
         }
         if let Some(why) = &images.why {
-            let count = images.undecodable;
+            let count = images.unusable;
             notes.push(format!(
                 "{count} colour images could not be used, the first because: {why}."
             ));
@@ -175,7 +171,8 @@ impl Recorded {
         let shown = self.steps.len();
         if shown < keyframes {
             notes.push(format!(
-                "The time slider has {shown} of {keyframes} keyframes: at most three a second, and no more than this file has room for."
+                "The time slider has {shown} of {keyframes} keyframes: at most three a second, two where images have to be made smaller, and \
+                 no more than this file has room for."
             ));
         }
         if self.most_crops < 8 {
@@ -199,11 +196,37 @@ impl Recorded {
     }
 }
 
-/// Data on one line that ends no script element and begins no comment, whatever texts came with the bag. JSON breaks
-/// lines between its parts only.
-fn inert(json: &str) -> Cow<'_, str> {
-    if !json.contains(['<', '\n']) {
-        return json.into();
+/// A script element that holds data and no program.
+fn data_element(
+    out: &mut dyn Write,
+    id: &str,
+    write: impl FnOnce(&mut Inert<'_>) -> io::Result<()>,
+) -> io::Result<()> {
+    write!(out, "<script type=\"application/json\" id=\"{id}\">")?;
+    write(&mut Inert(out))?;
+    out.write_all(b"</script>\n")
+}
+
+/// JSON on one line: it breaks lines between its parts only.
+fn write_lines(json: &str, to: &mut Inert<'_>) -> io::Result<()> {
+    json.lines().try_for_each(|line| to.write_all(line.trim().as_bytes()))
+}
+
+/// Passes JSON on so that it ends no script element and begins no comment, whatever texts came with the bag.
+struct Inert<'a>(&'a mut dyn Write);
+
+impl Write for Inert<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        for (at, part) in bytes.split(|byte| *byte == b'<').enumerate() {
+            if at > 0 {
+                self.0.write_all(b"\\u003c")?;
+            }
+            self.0.write_all(part)?;
+        }
+        Ok(bytes.len())
     }
-    json.lines().map(str::trim).collect::<String>().replace('<', "\\u003c").into()
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }

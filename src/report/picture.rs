@@ -2,20 +2,34 @@
 
 use crate::{
     geometry::Rect,
-    msg::convert::{ConvertError, RgbImage, jpeg},
+    msg::convert::{ColorMessage, ConvertError, RgbImage, check_jpeg_head, jpeg},
 };
-use base64::{Engine, prelude::BASE64_STANDARD};
+use base64::{display::Base64Display, prelude::BASE64_STANDARD};
+use serde::Serializer;
+use std::ops::Range;
 
 /// Quality of the page's JPEGs: blocks begin to show below.
 const QUALITY: u8 = 72;
 
-/// A part of an image, at most `max_side` pixels long or high, as a JPEG in base64.
+/// A part of an image, at most `max_side` pixels long or high, as a JPEG.
 pub(super) fn thumbnail(
     image: &RgbImage,
     part: &Rect,
     max_side: u32,
-) -> Result<String, ConvertError> {
-    Ok(BASE64_STANDARD.encode(jpeg(&scaled(image, part, max_side), QUALITY)?))
+) -> Result<Vec<u8>, ConvertError> {
+    jpeg(&scaled(image, part, max_side), QUALITY)
+}
+
+/// The file of an image that came as a JPEG of no more than so many bytes, and has a head that can be read.
+pub(super) fn small_jpeg(image: &ColorMessage, max_bytes: usize) -> Option<Vec<u8>> {
+    let ColorMessage::Compressed(image) = image else { return None };
+    let is_small = image.data.len() <= max_bytes && check_jpeg_head(&image.data).is_ok();
+    is_small.then(|| image.data.clone())
+}
+
+/// Bytes as the page has them.
+pub(super) fn as_base64<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&Base64Display::new(bytes, &BASE64_STANDARD))
 }
 
 /// The whole of an image.
@@ -32,32 +46,33 @@ fn scaled(image: &RgbImage, part: &Rect, max_side: u32) -> RgbImage {
     let shrink = (f64::from(max_side) / f64::from(from_width.max(from_height))).min(1.0);
     let side = |pixels: u32| ((f64::from(pixels) * shrink).round() as u32).max(1);
     let (width, height) = (side(from_width), side(from_height));
+    let columns: Vec<Range<usize>> =
+        (0..width).map(|x| range(x, width, left, from_width)).collect();
     let mut data = Vec::with_capacity(3 * width as usize * height as usize);
     for y in 0..height {
         let rows = range(y, height, top, from_height);
-        for x in 0..width {
-            let columns = range(x, width, left, from_width);
-            data.extend(mean(image, &columns, &rows));
+        let mut sums = vec![[0_u32; 3]; columns.len()];
+        for row in rows.clone() {
+            let pixels = image.data.as_chunks::<3>().0;
+            let first = row * image.width as usize;
+            for (sum, columns) in sums.iter_mut().zip(&columns) {
+                let of = pixels.get(first + columns.start..first + columns.end);
+                for pixel in of.unwrap_or_default() {
+                    sum.iter_mut().zip(pixel).for_each(|(sum, part)| *sum += u32::from(*part));
+                }
+            }
+        }
+        for (sum, columns) in sums.iter().zip(&columns) {
+            let count = (columns.len() * rows.len()).max(1) as u32;
+            data.extend(sum.map(|sum| (sum / count) as u8));
         }
     }
     RgbImage { width, height, data }
 }
 
 /// The pixels that pixel `at` of `count` stands for.
-fn range(at: u32, count: u32, first: u32, from: u32) -> std::ops::Range<u32> {
-    let edge = |at: u32| first + (u64::from(at) * u64::from(from) / u64::from(count)) as u32;
+fn range(at: u32, count: u32, first: u32, from: u32) -> Range<usize> {
+    let edge =
+        |at: u32| first as usize + (u64::from(at) * u64::from(from) / u64::from(count)) as usize;
     edge(at)..edge(at + 1).max(edge(at) + 1)
-}
-
-fn mean(image: &RgbImage, columns: &std::ops::Range<u32>, rows: &std::ops::Range<u32>) -> [u8; 3] {
-    let mut sum = [0_u32; 3];
-    for row in rows.clone() {
-        let first = 3 * (row as usize * image.width as usize + columns.start as usize);
-        let pixels = image.data.get(first..first + 3 * columns.len()).unwrap_or_default();
-        for pixel in pixels.as_chunks::<3>().0 {
-            sum.iter_mut().zip(pixel).for_each(|(sum, part)| *sum += u32::from(*part));
-        }
-    }
-    let count = (columns.len() * rows.len()).max(1) as u32;
-    sum.map(|sum| (sum / count) as u8)
 }

@@ -1,11 +1,11 @@
 //! Coloured points from depth images, at most one a voxel.
 
+use super::{color_images::ColorImages, picture::as_base64};
 use crate::{
     geometry::Pose,
     msg::convert::RgbImage,
     pipeline::{FramePose, Keyframe, ObjectSlam},
 };
-use base64::{Engine, prelude::BASE64_STANDARD};
 use nalgebra::Point3;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ const COARSER: f64 = 1.5;
 /// Points kept: a browser without a graphics card still turns them smoothly.
 const MAX_POINTS: usize = 90_000;
 /// Readings looked at in an image.
-const SAMPLES: f64 = 9_000.0;
+const SAMPLES: f64 = 6_000.0;
 /// Readings from farther off are too noisy to be looked at (m).
 const MAX_DEPTH_M: f32 = 6.0;
 /// Neighbouring readings that differ by more, as a share of the depth, are of different surfaces, and what lies between
@@ -29,9 +29,11 @@ const NEW_VIEW: f64 = 4.0;
 
 /// Where an image was taken.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Anchor {
-    pub(super) pose: FramePose,
-    pub(super) base_from_camera: Pose,
+pub struct Anchor {
+    /// The base at that time.
+    pub pose: FramePose,
+    /// The camera on it.
+    pub base_from_camera: Pose,
 }
 
 impl Anchor {
@@ -52,10 +54,10 @@ struct Sample {
     color: [u8; 3],
 }
 
-/// Samples by their voxel in odometry's frame. They are kept in the frame of their camera, so that they end where the
+/// Coloured points of what was seen. Samples by their voxel in odometry's frame. They are kept in the frame of their camera, so that they end where the
 /// camera was after all optimisation.
 #[derive(Debug)]
-pub(super) struct Cloud {
+pub struct Cloud {
     anchors: Vec<Anchor>,
     samples: BTreeMap<[i32; 3], Sample>,
     voxel_m: f64,
@@ -64,7 +66,7 @@ pub(super) struct Cloud {
 
 /// Points in the map.
 #[derive(Debug)]
-pub(super) struct Placed {
+pub struct Placed {
     /// With red, green and blue.
     pub(super) points: Vec<(Point3<f64>, [u8; 3])>,
     pub(super) voxel_m: f64,
@@ -78,30 +80,43 @@ pub(super) struct Points {
     voxel_m: f64,
     origin: [f64; 3],
     step_m: f64,
-    positions: String,
+    #[serde(serialize_with = "as_base64")]
+    positions: Vec<u8>,
     /// Red, green, blue; empty without colour images.
-    colors: String,
+    #[serde(serialize_with = "as_base64")]
+    colors: Vec<u8>,
 }
 
-impl Cloud {
-    pub(super) fn new() -> Self {
+impl Default for Cloud {
+    fn default() -> Self {
         let (anchors, samples) = (Vec::new(), BTreeMap::new());
         Self { anchors, samples, voxel_m: FINEST_M, has_color: false }
     }
+}
 
-    /// Whether an image from there shows something else than the latest one did; so much else that it is worth being decoded for
-    /// that alone, unless it `is_decoded` for other reasons.
-    pub(super) fn wants(&self, anchor: &Anchor, is_decoded: bool) -> bool {
+impl Cloud {
+    /// Samples the depth image of a keyframe if it shows something else than the latest one did; so much else that its
+    /// image is worth being decoded for that alone, unless that `is_decoded` for other reasons.
+    pub fn look(
+        &mut self,
+        keyframe: &Keyframe,
+        anchor: &Anchor,
+        images: &mut ColorImages,
+        is_decoded: bool,
+    ) {
         let times = if is_decoded { 1.0 } else { NEW_VIEW };
-        self.anchors.last().is_none_or(|last| {
+        let is_new = self.anchors.last().is_none_or(|last| {
             let moved = last.odom_from_camera().inv_mul(&anchor.odom_from_camera());
             moved.translation.vector.norm() > times * OTHER_VIEW.0
                 || moved.rotation.angle() > times * OTHER_VIEW.1
-        })
+        });
+        if is_new {
+            self.add(*anchor, keyframe, images.decoded(keyframe.stamp).as_deref());
+        }
     }
 
     /// Samples an image, with the colours of one of the same size.
-    pub(super) fn add(&mut self, anchor: Anchor, keyframe: &Keyframe, color: Option<&RgbImage>) {
+    fn add(&mut self, anchor: Anchor, keyframe: &Keyframe, color: Option<&RgbImage>) {
         let number = self.anchors.len() as u32;
         self.anchors.push(anchor);
         let (depth, camera) = (&keyframe.depth, &keyframe.camera);
@@ -138,15 +153,21 @@ impl Cloud {
     }
 
     /// Where the points are after all optimisation, again at most one a voxel.
-    pub(super) fn finish(self, slam: &ObjectSlam) -> Placed {
+    pub fn finish(self, slam: &ObjectSlam) -> Placed {
         let poses: Vec<Pose> = self.anchors.iter().map(|a| a.map_from_camera(slam)).collect();
-        let mut placed: BTreeMap<[i32; 3], (Point3<f64>, [u8; 3])> = BTreeMap::new();
-        for sample in self.samples.values() {
-            let at = poses[sample.anchor as usize] * point(sample);
-            placed.entry(voxel(&at, self.voxel_m)).or_insert((at, sample.color));
-        }
-        let points = placed.into_values().collect();
+        let place = |sample: &Sample| (poses[sample.anchor as usize] * point(sample), sample.color);
+        let mut points: Vec<(Point3<f64>, [u8; 3])> = self.samples.values().map(place).collect();
+        // Stable: of the points of a voxel the same one stays each time.
+        points.sort_by_key(|(at, _)| voxel(at, self.voxel_m));
+        points.dedup_by_key(|(at, _)| voxel(at, self.voxel_m));
         Placed { points, voxel_m: self.voxel_m, has_color: self.has_color }
+    }
+}
+
+impl Placed {
+    /// The points with red, green and blue; none where there are no colours.
+    pub fn colored(&self) -> &[(Point3<f64>, [u8; 3])] {
+        if self.has_color { &self.points } else { &[] }
     }
 }
 
@@ -174,8 +195,8 @@ impl Points {
             voxel_m: placed.voxel_m,
             origin,
             step_m,
-            positions: BASE64_STANDARD.encode(positions),
-            colors: BASE64_STANDARD.encode(colors),
+            positions,
+            colors,
         }
     }
 }

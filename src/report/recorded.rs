@@ -1,18 +1,19 @@
 //! What a run left for its report.
 
 use super::{
-    crops::Crop, points::Placed, recorder::Images, rounded, sides::SideCounts, tracks::Track,
+    color_images::Tally, crops::Crop, picture::as_base64, points::Placed, rounded,
+    sides::SideCounts, tracks::Track,
 };
 use crate::{
     geometry::Pose,
-    msg::convert::RgbImage,
+    msg::convert::ColorMessage,
     pipeline::{BoxResult, FramePose, Keyframe},
     publication::View,
     time::Stamp,
 };
 use nalgebra::Point2;
 use serde::{Serialize, Serializer};
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, rc::Rc};
 
 /// All that a report shows of a run, in the frame of the map as it is at the end.
 #[derive(Debug)]
@@ -30,16 +31,16 @@ pub struct Recorded {
     pub(super) tracks: BTreeMap<u64, Track>,
     /// Changes of objects are left out that are so many times as large as otherwise.
     pub(super) coarseness: f64,
-    pub(super) points: Placed,
+    pub(super) points: Rc<Placed>,
     /// Ends of walls seen from above.
     pub(super) walls: Vec<[Point2<f64>; 2]>,
-    pub(super) images: Images,
+    pub(super) images: Tally,
 }
 
 /// A colour image and where it was taken.
 #[derive(Debug)]
 pub(super) struct Overlay {
-    pub(super) image: RgbImage,
+    pub(super) image: ColorMessage,
     pub(super) view: View,
 }
 
@@ -54,8 +55,8 @@ pub(super) struct Step {
     /// Width and height that pixels are of.
     pub(super) size: [u32; 2],
     pub(super) focal_px: f64,
-    /// In base64.
-    pub(super) jpeg: Option<String>,
+    #[serde(serialize_with = "as_base64_or_none")]
+    pub(super) jpeg: Option<Vec<u8>>,
     pub(super) boxes: Vec<BoxView>,
     /// Objects in the image, each with its lines `x1, y1, x2, y2` (px).
     pub(super) outlines: Vec<(u64, Vec<i32>)>,
@@ -88,7 +89,9 @@ impl Step {
     /// Bytes of the page, about.
     pub(super) fn cost(&self) -> usize {
         let lines: usize = self.outlines.iter().map(|(_, numbers)| 5 * numbers.len()).sum();
-        200 + self.jpeg.as_ref().map_or(0, String::len) + 150 * self.boxes.len() + lines
+        200 + self.jpeg.as_ref().map_or(0, |jpeg| 4 * jpeg.len() / 3)
+            + 150 * self.boxes.len()
+            + lines
     }
 
     pub(super) fn labels(&self) -> impl Iterator<Item = &str> {
@@ -133,4 +136,14 @@ pub(super) fn numbers(pose: &Pose) -> [f64; 7] {
 
 fn as_numbers<S: Serializer>(pose: &Pose, serializer: S) -> Result<S::Ok, S::Error> {
     numbers(pose).serialize(serializer)
+}
+
+fn as_base64_or_none<S: Serializer>(
+    bytes: &Option<Vec<u8>>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    match bytes {
+        Some(bytes) => as_base64(bytes, serializer),
+        None => serializer.serialize_none(),
+    }
 }

@@ -1,9 +1,10 @@
 //! What is taken note of during a run.
 
 use super::{
+    color_images::ColorImages,
     crops::Crops,
-    picture::{thumbnail, whole},
-    points::{Anchor, Cloud},
+    picture::{small_jpeg, thumbnail, whole},
+    points::{Anchor, Placed},
     recorded::{BoxView, Counts, Overlay, Recorded, Step},
     rounded,
     sides::Sides,
@@ -13,99 +14,67 @@ use super::{
 use crate::{
     geometry::{Camera, Pose, yaw_of},
     mapping::{MapObject, ObjectChange, ObjectId},
-    msg::convert::{ColorMessage, RgbImage},
+    msg::convert::ColorMessage,
     pipeline::{FramePose, Keyframe, ObjectSlam, Update},
     publication::{View, outline_in_image},
     time::Stamp,
 };
-use std::collections::VecDeque;
+use std::rc::Rc;
 
 /// Longer side of the images on the page (px).
 const IMAGE_PX: u32 = 480;
-/// Least time from one place of the slider to the next (s): decoding more images would cost more than the method does.
+/// An image that came as a JPEG of no more bytes is on the page as it is: that costs no time at all.
+const SMALL_JPEG: usize = 32_000;
+/// Least time from one place of the slider to the next (s).
 const STEP_S: f64 = 0.3;
+/// The same where the image has to be made smaller, which costs as much as the method does (s).
+const STEP_OF_LARGE_S: f64 = 0.5;
 /// Images and what is drawn over them, all together (bytes of the page).
 const STEPS_BUDGET: usize = 11_000_000;
 /// Poses of the base.
 const MAX_POSES: usize = 3_000;
 /// Pictures that outlines are drawn into.
-const MAX_OVERLAYS: usize = 4;
+pub const MAX_OVERLAYS: usize = 4;
 /// Objects farther off are not outlined in images (m).
 const MAX_RANGE_M: f64 = 8.0;
-/// Colour images that wait for their depth image and boxes, at most.
-const MAX_WAITING: usize = 64;
-/// An image is of the same moment as a depth image if their stamps differ by less (s).
-const SAME_MOMENT_S: f64 = 0.05;
 
 /// Takes note of what a report shows, within bounds that hold however long the run is.
 #[derive(Debug)]
 pub struct Recorder {
     start: Option<Stamp>,
-    waiting: VecDeque<ColorMessage>,
     /// When the latest step was taken, or one left out for the sake of the budget.
     latest_step: f64,
+    /// From one step to the next (s).
+    step_s: f64,
     steps: Thinned<Step>,
     way: Thinned<FramePose>,
-    overlays: Thinned<(RgbImage, Anchor, Camera)>,
+    overlays: Thinned<(ColorMessage, Anchor, Camera)>,
     counts: Vec<Counts>,
     tracks: Tracks,
-    cloud: Cloud,
     crops: Crops,
     sides: Sides,
-    images: Images,
-}
-
-/// A colour image that was decoded for a keyframe, for whoever draws into it.
-#[derive(Debug)]
-pub struct Shown {
-    /// The keyframe's place in its update.
-    pub keyframe: usize,
-    /// The frame that the image is in.
-    pub frame_id: String,
-    /// The image.
-    pub image: RgbImage,
-}
-
-/// What became of the colour images that were asked for.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Images {
-    pub(super) used: usize,
-    pub(super) absent: usize,
-    pub(super) undecodable: usize,
-    /// Of the first that could not be decoded.
-    pub(super) why: Option<String>,
 }
 
 impl Default for Recorder {
     fn default() -> Self {
         Self {
             start: None,
-            waiting: VecDeque::new(),
             latest_step: f64::NEG_INFINITY,
+            step_s: STEP_S,
             steps: Thinned::new(STEPS_BUDGET),
             way: Thinned::new(MAX_POSES),
             overlays: Thinned::new(MAX_OVERLAYS),
             counts: Vec::new(),
             tracks: Tracks::new(),
-            cloud: Cloud::new(),
             crops: Crops::default(),
             sides: Sides::default(),
-            images: Images::default(),
         }
     }
 }
 
 impl Recorder {
-    /// Takes note of a colour image, which is decoded only if it is shown.
-    pub fn hear_color(&mut self, image: ColorMessage) {
-        if self.waiting.len() == MAX_WAITING {
-            self.waiting.pop_front();
-        }
-        self.waiting.push_back(image);
-    }
-
-    /// Takes note of what came of an input. Returns the images that were decoded for it.
-    pub fn take(&mut self, update: &Update, slam: &ObjectSlam) -> Vec<Shown> {
+    /// Takes note of what an update says of the map and of the base.
+    pub fn take(&mut self, update: &Update) {
         if let Some(found) = &update.relocalised {
             self.move_map(&found.map_from_seen);
         }
@@ -121,28 +90,16 @@ impl Recorder {
                 self.way.add(*pose, 1);
             }
         }
-        let mut shown = Vec::new();
-        for (at, keyframe) in update.keyframes.iter().enumerate() {
-            let pose = update.poses.iter().find(|pose| pose.stamp == keyframe.stamp);
-            if let Some(pose) = pose {
-                let anchor = Anchor { pose: *pose, base_from_camera: keyframe.base_from_camera };
-                let image = self.keyframe(keyframe, anchor, slam);
-                shown.extend(image.map(|(image, frame_id)| Shown {
-                    keyframe: at,
-                    frame_id,
-                    image,
-                }));
-            }
-        }
-        shown
     }
 
-    fn keyframe(
+    /// Takes note of a keyframe and of its image, which is decoded only if that is needed.
+    pub fn keyframe(
         &mut self,
         keyframe: &Keyframe,
-        anchor: Anchor,
+        anchor: &Anchor,
         slam: &ObjectSlam,
-    ) -> Option<(RgbImage, String)> {
+        images: &mut ColorImages,
+    ) {
         let t = self.seconds(keyframe.stamp);
         self.tracks.note(t, slam.objects());
         self.counts.push(Counts::of(t, keyframe, slam.objects().count()));
@@ -154,36 +111,36 @@ impl Recorder {
                 self.sides.add(object.id, heading, measured, &keyframe.map_from_camera);
             }
         }
-        let takes_step = self.takes_step(t);
-        let takes_points = self.cloud.wants(&anchor, takes_step);
-        let takes_overlay = takes_step && self.overlays.takes_next();
-        let boxes = keyframe.boxes.iter().filter_map(|found| Some((found.object?, found)));
-        let cropped: Vec<_> =
-            boxes.filter(|(object, _)| self.crops.takes_next(*object, takes_step)).collect();
-        let takes_any = takes_step || takes_points || takes_overlay || !cropped.is_empty();
-        let image = if takes_any { self.image_of(keyframe.stamp) } else { None };
-        self.waiting.retain(|image| image.stamp() > keyframe.stamp);
-        if takes_points {
-            self.cloud.add(anchor, keyframe, image.as_ref().map(|(image, _)| image));
+        if self.takes_step(t) {
+            if self.overlays.takes_next()
+                && let Some(image) = images.message(keyframe.stamp)
+            {
+                self.overlays.add((image.clone(), *anchor, keyframe.camera.clone()), 1);
+            }
+            self.add_step(t, keyframe, slam, images);
         }
-        if takes_step {
-            self.add_step(t, keyframe, image.as_ref().map(|(image, _)| image), slam);
+        self.add_crops(t, keyframe, images);
+    }
+
+    /// Parts of the image that show objects of which there are too few.
+    fn add_crops(&mut self, t: f64, keyframe: &Keyframe, images: &mut ColorImages) {
+        let is_decoded = images.is_decoded(keyframe.stamp);
+        for found in &keyframe.boxes {
+            let Some(object) = found.object else { continue };
+            if !self.crops.takes_next(object, is_decoded) {
+                continue;
+            }
+            let Some(image) = images.decoded(keyframe.stamp) else { continue };
+            if let Err(problem) = self.crops.add(object, t, &image, &found.detection.rect) {
+                images.cannot_use(problem.to_string());
+            }
         }
-        let (image, frame_id) = image?;
-        for (object, found) in cropped {
-            let cropped = self.crops.add(object, t, &image, &found.detection.rect);
-            self.note_problem(cropped.err().map(|e| e.to_string()));
-        }
-        if takes_overlay {
-            self.overlays.add((image.clone(), anchor, keyframe.camera.clone()), 1);
-        }
-        Some((image, frame_id))
     }
 
     /// Whether the keyframe of a time (s) becomes a place of the slider.
     fn takes_step(&mut self, t: f64) -> bool {
         // Stamps are rounded. A clock may have been set back.
-        let is_due = !(0.0..STEP_S - 2e-3).contains(&(t - self.latest_step));
+        let is_due = !(0.0..self.step_s - 2e-3).contains(&(t - self.latest_step));
         if is_due {
             self.latest_step = t;
         }
@@ -194,8 +151,8 @@ impl Recorder {
         &mut self,
         t: f64,
         keyframe: &Keyframe,
-        image: Option<&RgbImage>,
         slam: &ObjectSlam,
+        images: &mut ColorImages,
     ) {
         let (camera, map_from_camera) = (&keyframe.camera, keyframe.map_from_camera);
         let view = View { camera: camera.clone(), map_from_camera };
@@ -205,11 +162,7 @@ impl Recorder {
             let pixels = lines.iter().flatten().flat_map(|p| [p.x, p.y]);
             (seen.object.id.0, pixels.map(|c| c.clamp(-9999.0, 9999.0).round() as i32).collect())
         });
-        let jpeg = image.map(|image| thumbnail(image, &whole(image), IMAGE_PX)).transpose();
-        let jpeg = jpeg.unwrap_or_else(|problem| {
-            self.note_problem(Some(problem.to_string()));
-            None
-        });
+        let jpeg = self.picture(keyframe.stamp, images);
         let step = Step {
             t,
             camera: map_from_camera,
@@ -224,30 +177,21 @@ impl Recorder {
         self.steps.add(step, cost);
     }
 
-    /// The colour image of a moment and its frame; why there is none is counted.
-    fn image_of(&mut self, stamp: Stamp) -> Option<(RgbImage, String)> {
-        let away = |image: &ColorMessage| image.stamp().seconds_since(stamp).abs();
-        let nearest = self.waiting.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
-        let Some(image) = nearest.filter(|image| away(image) < SAME_MOMENT_S) else {
-            self.images.absent += 1;
-            return None;
-        };
-        match image.decoded() {
-            Ok(decoded) => {
-                self.images.used += 1;
-                Some((decoded, image.frame_id().to_owned()))
-            }
+    /// The image of a moment as a JPEG.
+    fn picture(&mut self, stamp: Stamp, images: &mut ColorImages) -> Option<Vec<u8>> {
+        let as_it_came = images.message(stamp).and_then(|image| small_jpeg(image, SMALL_JPEG));
+        if as_it_came.is_some() {
+            return as_it_came;
+        }
+        let image = images.decoded(stamp)?;
+        self.step_s = STEP_OF_LARGE_S;
+        match thumbnail(&image, &whole(&image), IMAGE_PX) {
+            Ok(jpeg) => Some(jpeg),
             Err(problem) => {
-                self.note_problem(Some(problem.to_string()));
+                images.cannot_use(problem.to_string());
                 None
             }
         }
-    }
-
-    fn note_problem(&mut self, problem: Option<String>) {
-        let Some(problem) = problem else { return };
-        self.images.undecodable += 1;
-        self.images.why.get_or_insert(problem);
     }
 
     fn move_map(&mut self, new_from_old: &Pose) {
@@ -260,8 +204,8 @@ impl Recorder {
         rounded(stamp.seconds_since(*self.start.get_or_insert(stamp)))
     }
 
-    /// All that was taken note of, in the frame of the map as it is at the end.
-    pub fn finish(self, slam: &ObjectSlam) -> Recorded {
+    /// All that was taken note of and the points that were seen, in the frame of the map as it is at the end.
+    pub fn finish(self, slam: &ObjectSlam, points: Rc<Placed>, images: ColorImages) -> Recorded {
         let start = self.start.unwrap_or_default();
         let in_map: Vec<u64> = slam.objects().map(|object| object.id.0).collect();
         let sides = slam.objects().filter_map(|object| {
@@ -289,9 +233,9 @@ impl Recorder {
             steps: self.steps.into_entries(),
             coarseness: self.tracks.coarseness(),
             tracks: self.tracks.finish(),
-            points: self.cloud.finish(slam),
+            points,
             walls: slam.map().wall_ends().collect(),
-            images: self.images,
+            images: images.into_tally(),
         }
     }
 }

@@ -2,23 +2,25 @@
 
 use super::rounded;
 use crate::{
-    geometry::{Ellipsoid, Outline, Pose, yaw_of},
+    geometry::{Outline, Pose, yaw_of},
     mapping::{MapObject, ObjectId},
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// A change of less is not written down (m, rad, m).
-const TOLERANCE: [f64; 3] = [0.004, 0.01, 0.004];
+/// A change of less is not written down: of place (m), turn (rad), size (m), standard deviation (rad, m, or a share of the size).
+const TOLERANCE: [f64; 4] = [0.004, 0.01, 0.004, 0.01];
 /// Changes of all objects, at most; then changes have to be twice as large.
-const MAX_STATES: usize = 40_000;
+const MAX_STATES: usize = 25_000;
 
 /// An object over time.
 #[derive(Debug, Serialize)]
 pub(super) struct Track {
     label: String,
     outline: Outline,
-    /// `[t, x, y, z, yaw, a, b, c]` from time `t` on, or `[t]` alone: it is not in the map any more.
+    /// `[t, x, y, z, yaw, a, b, c]` from time `t` on with standard deviations as they were known then: of the heading (rad), of
+    /// the place along the object's own axes (m), and of each semi-axis as a share of it. Or `[t]` alone: it is not in the map
+    /// any more.
     states: Vec<Vec<f64>>,
 }
 
@@ -52,7 +54,7 @@ impl Tracks {
                 states: Vec::new(),
             };
             let track = self.by_object.entry(id).or_insert_with(new);
-            let state = state(t, &object.ellipsoid());
+            let state = state(t, object);
             if track.states.last().is_none_or(|last| differs(last, &state, self.tolerance)) {
                 object.label().clone_into(&mut track.label);
                 track.states.push(state);
@@ -98,13 +100,17 @@ impl Tracks {
     }
 }
 
-fn state(t: f64, body: &Ellipsoid) -> Vec<f64> {
+fn state(t: f64, object: &MapObject) -> Vec<f64> {
+    let (body, covariance) = (object.ellipsoid(), object.covariance());
     let (at, half) = (body.center(), body.semi_axes);
-    [t, at.x, at.y, at.z, yaw_of(&body.pose), half.x, half.y, half.z].map(rounded).to_vec()
+    let known = [t, at.x, at.y, at.z, yaw_of(&body.pose), half.x, half.y, half.z];
+    let sigmas = (2..9).map(|index| covariance[(index, index)].max(0.0).sqrt());
+    known.into_iter().chain(sigmas).map(rounded).collect()
 }
 
 fn differs(a: &[f64], b: &[f64], tolerance: f64) -> bool {
-    let [place, turn, size] = TOLERANCE.map(|least| least * tolerance);
+    let [place, turn, size, sigma] = TOLERANCE.map(|least| least * tolerance);
     let limits = [f64::INFINITY, place, place, place, turn, size, size, size];
-    a.len() != b.len() || (0..a.len()).any(|i| (a[i] - b[i]).abs() > limits[i])
+    let limits = limits.into_iter().chain([sigma; 7]);
+    a.len() != b.len() || a.iter().zip(b).zip(limits).any(|((a, b), limit)| (a - b).abs() > limit)
 }

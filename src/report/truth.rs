@@ -34,12 +34,6 @@ struct TrueBody {
 impl Truth {
     /// Measures a map; `source` says where the truth is from.
     pub fn new(source: &str, map: &SavedMap, objects: &GroundTruth) -> Self {
-        let estimated = map.objects.iter().map(|object| EstimatedObject {
-            id: object.id,
-            label: object.label.clone(),
-            ellipsoid: object.ellipsoid,
-            covariance: object.covariance,
-        });
         let bodies = objects.objects.iter().map(|object| {
             let turn = object.pose.rotation;
             TrueBody {
@@ -53,7 +47,7 @@ impl Truth {
         Self {
             source: source.to_owned(),
             objects: bodies.collect(),
-            scores: evaluate(&estimated.collect::<Vec<_>>(), objects),
+            scores: evaluate(&estimated(map), objects),
             trajectory: None,
             way: Vec::new(),
         }
@@ -75,4 +69,15 @@ impl Truth {
     pub(super) fn labels(&self) -> impl Iterator<Item = &str> {
         self.objects.iter().map(|object| object.label.as_str())
     }
+}
+
+/// The objects of a map as they are measured.
+pub fn estimated(map: &SavedMap) -> Vec<EstimatedObject> {
+    let objects = map.objects.iter().map(|object| EstimatedObject {
+        id: object.id,
+        label: object.label.clone(),
+        ellipsoid: object.ellipsoid,
+        covariance: object.covariance,
+    });
+    objects.collect()
 }

@@ -68,6 +68,48 @@ impl Drop for SmallDisk {
     }
 }
 
+/// Room for all but the report, which is written last.
+#[test]
+fn a_report_that_finds_no_room_costs_only_itself() {
+    let whole = tempfile::tempdir().unwrap();
+    let expected = whole.path().join("out");
+    assert!(replay("", &expected).status.success());
+    let names = ["map.json", "trajectory.tum", "trajectory_live.tum", "result.mcap"];
+    let bytes: u64 = names.iter().map(|n| expected.join(n).metadata().unwrap().len()).sum();
+    let Some(disk) = SmallDisk::mounted(&format!("{}k", bytes / 1024 + 600)) else {
+        println!("no disk may be mounted here");
+        return;
+    };
+    let out = disk.0.path().join("out");
+    let output = replay("", &out);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let errors: Vec<&str> = said.lines().filter(|line| line.starts_with("error: ")).collect();
+    let [error] = errors.as_slice() else { panic!("{said}") };
+    assert!(error.contains("report.html") && error.contains("the disk is full"), "{error}");
+    for name in names {
+        let [wanted, got] = [&expected, &out].map(|folder| fs::read(folder.join(name)).unwrap());
+        assert!(wanted == got, "{name} differs");
+    }
+    let left = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name());
+    let left: Vec<String> = left.map(|name| name.to_string_lossy().into_owned()).collect();
+    assert!(left.contains(&"summary.json".to_owned()), "{left:?}");
+    assert!(!left.iter().any(|name| name.ends_with(".part") || name == "report.html"), "{left:?}");
+}
+
+#[test]
+fn a_read_only_disk_is_said_in_a_sentence() {
+    let Some(disk) = SmallDisk::mounted("160k") else {
+        println!("no disk may be mounted here");
+        return;
+    };
+    let read_only = Command::new("mount").args(["-o", "remount,ro"]).arg(disk.0.path()).status();
+    assert!(read_only.unwrap().success());
+    let said = stderr(&replay("", &disk.0.path().join("out")));
+    let errors: Vec<&str> = said.lines().filter(|line| line.starts_with("error: ")).collect();
+    assert!(errors.len() == 1 && errors[0].contains("ead-only"), "{said}");
+}
+
 #[test]
 fn a_full_disk_loses_no_map() {
     let Some(disk) = SmallDisk::mounted("160k") else {

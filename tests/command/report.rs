@@ -1,10 +1,19 @@
 //! `report.html` and the pictures beside it.
 
 use crate::run::{Flaw, HOSTILE_LABEL, replayed, run, stderr, write_bag};
-use ellipsoid_slam::io::{BagReader, decode_color};
+use ellipsoid_slam::{
+    io::{BagReader, RawMessage, decode_color},
+    msg::{
+        cdr,
+        convert::compressed_color_image,
+        foxglove_msgs::{ImageAnnotations, PointsAnnotation},
+        sensor_msgs::{CameraInfo, CompressedImage},
+    },
+};
 use serde_json::Value;
 use std::{fs, path::Path};
 
+const DESK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/bags/desk.mcap");
 const WEB: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/web");
 
 /// The data of a page under a name.
@@ -44,7 +53,7 @@ fn the_demos_page_shows_its_map_and_is_the_same_again_but_for_the_clock() {
     assert_eq!(data(&page, "map"), serde_json::from_str::<Value>(&map).unwrap());
     assert!(page.len() < 8_000_000, "{} bytes", page.len());
     let run = data(&page, "run");
-    assert_eq!(run["steps"].as_array().unwrap().len(), 30);
+    assert_eq!(run["steps"].as_array().unwrap().len(), 15);
     assert!(run["steps"].as_array().unwrap().iter().all(|step| step["jpeg"].is_string()));
     assert!(run["points"]["count"].as_u64().unwrap() > 20_000);
     let refused = run["steps"].to_string();
@@ -171,14 +180,85 @@ fn the_result_has_images_with_what_was_made_of_them() {
     // Ten seconds, an image each.
     let drawn = images(&[]);
     assert!((8..=11).contains(&drawn.len()), "{} images", drawn.len());
-    let source = BagReader::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("bags/desk.mcap"));
-    let first = source.unwrap();
+    let first = BagReader::open(Path::new(DESK)).unwrap();
     let first = first.messages().only(["/camera/color/image_raw/compressed"]).next().unwrap();
     let plain = decode_color(&first).unwrap();
     let pairs = drawn[0].data.iter().zip(&plain.data);
     let changed = pairs.filter(|(a, b)| a.abs_diff(**b) > 60).count();
     assert!(changed > 1000, "nothing is drawn: {changed}");
     assert!(images(&["--no-images"]).is_empty());
+}
+
+#[test]
+fn the_result_has_what_foxglove_draws_over_its_images() {
+    let folder = tempfile::tempdir().unwrap();
+    demo(folder.path());
+    let bag = BagReader::open(&folder.path().join("result.mcap")).unwrap();
+    let of = |topic: &str| -> Vec<RawMessage> {
+        bag.messages().only([format!("/ellipsoid_slam/{topic}")]).collect()
+    };
+    let annotations = of("annotations");
+    let images = of("image/compressed");
+    let pairs = annotations.iter().zip(&images);
+    assert_eq!((annotations.len(), images.len()), (10, 10));
+    assert!(pairs.into_iter().all(|(a, b)| a.log_time == b.log_time));
+    assert_eq!(&*annotations[0].type_name, "foxglove_msgs/msg/ImageAnnotations");
+    let last: ImageAnnotations = cdr::decode(&annotations[9].data).unwrap();
+    let outlines = last.points.iter().filter(|p| p.kind == PointsAnnotation::LINE_LIST);
+    let outlines: Vec<_> = outlines.collect();
+    let boxes = last.points.iter().filter(|p| p.kind == PointsAnnotation::LINE_LOOP);
+    assert!(outlines.len() >= 5, "{} outlines", outlines.len());
+    assert_eq!(boxes.clone().count(), last.texts.len());
+    assert!(last.texts.iter().any(|text| text.text.starts_with("cup 0.")), "{:?}", last.texts);
+    assert!(boxes.clone().all(|b| b.points.len() == 4 && b.timestamp == last.texts[0].timestamp));
+    assert!(outlines.iter().all(|o| o.points.len().is_multiple_of(2) && o.outline_color.a == 1.0));
+    // The image is the bag's own, byte for byte.
+    let source = BagReader::open(Path::new(DESK)).unwrap();
+    let own: CompressedImage = cdr::decode(&images[3].data).unwrap();
+    let is_own = |message: RawMessage| {
+        cdr::decode::<CompressedImage>(&message.data).unwrap().data == own.data
+    };
+    assert!(source.messages().only(["/camera/color/image_raw/compressed"]).any(is_own));
+    let camera: CameraInfo = cdr::decode(&of("camera_info")[3].data).unwrap();
+    assert_eq!(camera.header, own.header);
+    assert!(camera.k[0] > 100.0 && of("camera_pose").len() == 10);
+}
+
+#[test]
+fn the_result_is_the_same_with_and_without_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let result = |more: &[&str]| {
+        let out = folder.path().join(format!("out{}", more.len()));
+        let args = ["replay", "bags/desk.mcap", "--output", out.to_str().unwrap()];
+        assert!(run(&[&args[..], more].concat()).status.success());
+        fs::read(out.join("result.mcap")).unwrap()
+    };
+    assert!(result(&[]) == result(&["--no-report"]), "the report changes result.mcap");
+}
+
+/// What is known of an object becomes surer as it is seen, and the page has it as it was at each time.
+#[test]
+fn uncertainty_is_shown_as_it_was_known_at_the_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = demo(folder.path());
+    let (run, map) = (data(&page, "run"), data(&page, "map"));
+    let mut surer = 0;
+    for object in map["objects"].as_array().unwrap() {
+        let states = &run["tracks"][object["id"].to_string()]["states"];
+        let sigma = |state: &Value, at: usize| state[9 + at].as_f64().unwrap();
+        let known: Vec<&Value> =
+            states.as_array().unwrap().iter().filter(|s| s.as_array().unwrap().len() > 1).collect();
+        let (first, last) = (known[0], known[known.len() - 1]);
+        assert_eq!(last.as_array().unwrap().len(), 15);
+        for axis in 0..6 {
+            // Rounded, and changes of less are not written down.
+            let at_end = object["covariance"][10 * (3 + axis)].as_f64().unwrap().sqrt();
+            assert!((sigma(last, axis) - at_end).abs() < 0.011, "{object}: {last}");
+        }
+        let total = |state: &Value| (0..3).map(|axis| sigma(state, axis)).sum::<f64>();
+        surer += usize::from(total(first) > 1.1 * total(last));
+    }
+    assert!(surer >= 3, "only {surer} objects were less sure at first");
 }
 
 #[test]
@@ -194,6 +274,35 @@ fn no_report_writes_none() {
     assert!(run(&["show", out.to_str().unwrap()]).status.success());
     let plan = fs::read_to_string(out.join("map.svg")).unwrap();
     assert!(plan.contains("suitcase 1") && plan.contains("× 0.50 m"), "{plan}");
+}
+
+/// Walls and outlines in images as well, of a drive that was replayed without a report.
+#[test]
+fn show_draws_a_result_as_replay_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let (bag, with, without) = (path("home.mcap"), path("with"), path("without"));
+    let [bag, with_name, without_name] = [&bag, &with, &without].map(|p| p.to_str().unwrap());
+    let scene = ["simulate", "--scene", "home", "--trajectory", "forward", "--frames", "60"];
+    assert!(run(&[&scene[..], &["--output", bag]].concat()).status.success());
+    assert!(run(&["replay", bag, "--output", with_name]).status.success());
+    assert!(run(&["replay", bag, "--output", without_name, "--no-report"]).status.success());
+    let shown = run(&["show", without_name]);
+    assert!(shown.status.success(), "{}", stderr(&shown));
+    let plans = [&with, &without].map(|out| fs::read_to_string(out.join("map.svg")).unwrap());
+    assert!(plans[0].contains("stroke-linecap=\"round\""), "the drive has no walls");
+    assert!(plans[0] == plans[1], "two plans of one map differ");
+    let said = String::from_utf8(shown.stdout).unwrap();
+    assert!(said.lines().count() == 5, "{said}");
+    // The image of the beginning is in both; later ones are of other moments.
+    let pictures = [&with, &without].map(|out| {
+        let data = fs::read(out.join("overlay_1.png")).unwrap();
+        compressed_color_image(&CompressedImage { data, ..CompressedImage::default() }).unwrap()
+    });
+    let pixels = pictures[0].data.iter().zip(&pictures[1].data);
+    let other = pixels.filter(|(a, b)| a != b).count();
+    // Poses in the result are rounded.
+    assert!(other < pictures[0].data.len() / 500, "{other} differ");
 }
 
 #[test]

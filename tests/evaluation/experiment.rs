@@ -32,11 +32,17 @@ fn the_same_command_gives_the_same_bytes() {
     let names: Vec<&str> = first.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
         names,
-        ["experiments.json", "experiments.md", "experiments_eps_z.svg", "experiments_views.svg"]
+        [
+            "experiments.html",
+            "experiments.json",
+            "experiments.md",
+            "experiments_eps_z.svg",
+            "experiments_views.svg"
+        ]
     );
     assert_eq!(first, files(&folder.join("second")));
     // What is printed is what is written.
-    let (_, json) = &first[0];
+    let (_, json) = &first[1];
     assert_eq!(String::from_utf8_lossy(json), String::from_utf8_lossy(&again.stdout));
     what_is_written_is_whole(&folder.join("first"));
     a_new_run_is_compared(folder);
@@ -48,6 +54,11 @@ fn what_is_written_is_whole(folder: &Path) {
     for part in ["Table 2", "DwB", "0.357", "| desk, orbit | ours |", "experiments_views.svg"] {
         assert!(text.contains(part), "{part} is missing:\n{text}");
     }
+    // The page has the table and the plots themselves, and asks for nothing else.
+    let page = fs::read_to_string(folder.join("experiments.html")).unwrap();
+    assert_eq!(page.matches("<svg").count(), 2);
+    assert!(page.contains("<td>DwB</td>") || page.contains("<td>ours</td>"), "no table: {page}");
+    assert!(!page.contains("<img") && !page.contains("src=") && !page.contains("<script"));
     let json = fs::read_to_string(folder.join("experiments.json")).unwrap();
     let json: Value = serde_json::from_str(&json).unwrap();
     let cell = |key: &str| &json["cells"][key];

@@ -1,8 +1,8 @@
 //! Wire types against the `.msg` and `.srv` files they mirror.
 
 use ellipsoid_slam::msg::{
-    Message, Service, cdr, diagnostic_msgs, ellipsoid_slam as own, geometry_msgs, nav_msgs,
-    rosgraph_msgs, rtabmap_msgs, schema_text, sensor_msgs, std_msgs, std_srvs, tf2_msgs,
+    Message, Service, cdr, diagnostic_msgs, ellipsoid_slam as own, foxglove_msgs, geometry_msgs,
+    nav_msgs, rosgraph_msgs, rtabmap_msgs, schema_text, sensor_msgs, std_msgs, std_srvs, tf2_msgs,
     vision_msgs, visualization_msgs, yolo_msgs,
 };
 use serde::{Deserialize, Deserializer, de};
@@ -60,6 +60,7 @@ fn structs_mirror_their_definitions_field_by_field() {
     }
     check! {
         own: LabelBelief Object ObjectArray EllipsoidMeasurement EllipsoidMeasurementArray;
+        foxglove_msgs: Color Point2 CircleAnnotation PointsAnnotation TextAnnotation ImageAnnotations;
         diagnostic_msgs: KeyValue DiagnosticStatus DiagnosticArray;
         rosgraph_msgs: Clock;
         rtabmap_msgs: LandmarkDetection LandmarkDetections;

@@ -6,8 +6,9 @@ use ellipsoid_slam::{
     io::BagWriter,
     mapping::{MappingSettings, ObjectId, ObjectMap, SlamSettings},
     msg::{
-        convert::{deletion_markers, pose_covariance},
+        convert::{deletion_markers, outlined, pose_covariance},
         ellipsoid_slam::{ObjectArray, QueryObjectsRequest},
+        std_msgs::ColorRGBA,
         visualization_msgs::Marker,
     },
     pipeline::{FramePose, ObjectSlam, Settings, Update},
@@ -84,11 +85,43 @@ fn all_that_is_shown_of_an_object_is_deleted() {
 }
 
 #[test]
+fn a_superquadric_is_marked_by_its_own_surface() {
+    let half = Vector3::new(0.2, 0.1, 0.3);
+    let pose = Pose::translation(1.0, 2.0, 0.3);
+    let outline = Outline::Superquadric(0.5, 1.3);
+    let body = Ellipsoid::new(pose, half);
+    let marker = outlined("objects", outline, &body, ColorRGBA::default());
+    assert_eq!((marker.kind, marker.scale.x, marker.scale.z), (Marker::TRIANGLE_LIST, 1.0, 1.0));
+    assert_eq!(marker.pose.position.y, 2.0);
+    let corners: Vec<Vector3<f64>> =
+        marker.points.iter().map(|p| Vector3::new(p.x, p.y, p.z)).collect();
+    assert!(corners.len() > 300 && corners.len().is_multiple_of(3));
+    let mut volume = 0.0;
+    for triangle in corners.as_chunks::<3>().0 {
+        for corner in triangle {
+            let radius = outline.radius(&corner.component_div(&half));
+            assert!((radius - 1.0).abs() < 1e-9, "{corner} is not on the surface: {radius}");
+        }
+        // Counterclockwise from outside: the tetrahedra from the centre add up.
+        let [a, b, c] = triangle;
+        let part = a.dot(&b.cross(c)) / 6.0;
+        assert!(part > 0.0, "a triangle looks inwards");
+        volume += part;
+    }
+    // Between those of the body's rhombic bipyramid and its box.
+    let of_box = 8.0 * half.product();
+    assert!(volume > 0.3 * of_box && volume < 0.75 * of_box, "{}", volume / of_box);
+    let table = outlined("objects", Outline::Cuboid, &body, ColorRGBA::default());
+    assert_eq!((table.kind, table.points.len(), table.scale.x), (Marker::CUBE, 0, 0.4));
+}
+
+#[test]
 fn layouts_show_topics_that_there_are() {
     let mut known: Vec<String> = OutputTopic::ALL.map(OutputTopic::default_name).to_vec();
     // Of result bags only.
-    known
-        .extend(["debug_image/compressed", "points"].map(|name| format!("/ellipsoid_slam/{name}")));
+    let of_results =
+        ["debug_image/compressed", "image/compressed", "camera_info", "annotations", "points"];
+    known.extend(of_results.map(|name| format!("/ellipsoid_slam/{name}")));
     for file in ["foxglove.json", "ellipsoid_slam.rviz"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("config").join(file);
         let text = fs::read_to_string(path).unwrap();

@@ -25,6 +25,7 @@ rows = [
         "ns": marker.ns, "id": marker.id, "type": marker.type, "action": marker.action, "text": marker.text,
         "position": values(marker.pose.position, "xyz"), "orientation": values(marker.pose.orientation, "xyzw"),
         "scale": values(marker.scale, "xyz"), "color": values(marker.color, "rgba"),
+        "points": [values(point, "xyz") for point in marker.points],
     }
     for marker in last("markers").markers
 ]  # fmt: skip

@@ -25,6 +25,7 @@ for row in shown["markers"]:
     marker.header.frame_id = "map"
     marker.pose = Pose(Point(*row["position"]), Quaternion(*row["orientation"]))
     marker.scale, marker.color = Vector3(*row["scale"]), ColorRGBA(*row["color"])
+    marker.points = [Point(*place) for place in row["points"]]
     markers.append(marker)
 path = Path(poses=[PoseStamped(pose=Pose(Point(*place), Quaternion(0, 0, 0, 1))) for place in shown["path"]])
 path.header.frame_id = "map"

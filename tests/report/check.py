@@ -12,7 +12,9 @@ from browser import Browser
 
 HOSTILE = "<img src=x onerror=\"document.title='broken'\">"
 # A processor draws here, and what else it does is not known: frames with 1,000 objects are compared with those of the demo.
+# What a graphics card would notice is the number of draw calls, which must not grow with that of objects or walls.
 LEAST_SHARE = 0.2
+MOST_DRAW_CALLS = 40
 
 
 def expect(holds, words):
@@ -28,7 +30,7 @@ def data_of(page, name):
 
 
 def with_objects(page, count):
-    """The same page with so many objects, all copies of its own in rows, one of them with a label that is HTML."""
+    """The same page with so many objects, all copies of its own in rows, one of them with a label that is HTML, and 100 walls."""
     before, objects, after = data_of(page, "map")
     own = objects["objects"]
     many = []
@@ -44,7 +46,8 @@ def with_objects(page, count):
     page = before + json.dumps(objects).replace("<", "\\u003c") + after
     before, run, after = data_of(page, "run")
     run["tracks"] = {str(one["id"]): {"label": one["label"], "outline": one["outline"], "states": [
-        [0.0, *one["position"], 0.0, *one["semi_axes"]]]} for one in many}
+        [0.0, *one["position"], 0.0, *one["semi_axes"], *[0.02] * 7]]} for one in many}
+    run["walls"] = [[[0.4 * at, -1.0], [0.4 * at, 3.0]] for at in range(100)]
     return before + json.dumps(run).replace("<", "\\u003c") + after
 
 
@@ -97,9 +100,17 @@ def check_looks(browser, path, folder, dark=False):
     return drawn
 
 
+# What is shown when a page opens.
+STANDARD = "LAYERS.forEach(([name, , on]) => { const box = $(`layer-${name}`); if (box && box.checked !== on) box.click(); })"
+
+
+def show_all(browser):
+    browser.js("LAYERS.forEach(([name]) => { const box = $(`layer-${name}`); if (box && !box.checked) box.click(); })")
+
+
 def check_layers(browser, path):
     """Each part of the scene that is switched off leaves other pixels."""
-    browser.js("['planes', 'boxes', 'uncertainty'].forEach((name) => { const box = $(`layer-${name}`); if (box && !box.checked) box.click(); })")
+    show_all(browser)
     for name in ["outlines", "points", "way", "planes", "uncertainty"]:
         with_it = browser.js(PICTURE)
         browser.click_on(f"#layer-{name}")
@@ -148,6 +159,9 @@ def check_selection(browser, path):
     size = browser.js("[...document.querySelectorAll('#details dt')].find((e) => e.textContent.startsWith('size')).nextSibling.textContent")
     own = browser.js(f"inMap.get({place[0]}).semi_axes.map((half) => (2 * half).toFixed(2))")
     expect(all(part in size for part in own), f"{path}: {size} is not {own}")
+    browser.key("Home")
+    expect(" at 0.0 s" in browser.js("$('known').textContent"), f"{path}: {browser.js('$(`known`).textContent')} is not what was known at first")
+    browser.key("End")
     browser.key("Escape")
     expect(browser.js("state.selected") is None, f"{path}: Escape selects nothing")
     browser.click_on("#list li")
@@ -199,8 +213,14 @@ def check_many(browser, path, usual):
     expect(HOSTILE in browser.js("document.querySelector('#details').textContent"), f"{path}: the details changed a label")
     expect(browser.js("document.querySelectorAll('img[src=x]').length") == 0, f"{path}: a label became HTML")
     expect(browser.js("document.title") != "broken", f"{path}: a label ran")
+    show_all(browser)
+    browser.js("view.draw()")
+    calls = browser.js("view.drawCalls")
+    expect(calls <= MOST_DRAW_CALLS, f"{path}: {calls} draw calls a frame")
+    count = browser.js("map.objects.length")
+    browser.js(STANDARD)
     frames = browser.js(FRAMES)
-    print(f"report: {frames:.1f} frames a second with {browser.js('map.objects.length')} objects, {usual:.1f} with the demo's")
+    print(f"report: {frames:.1f} frames a second with {count} objects drawn by the processor, {usual:.1f} with the demo's; {calls} draw calls with all layers")
     expect(frames >= LEAST_SHARE * usual, f"{path}: {frames:.1f} frames a second are too few beside {usual:.1f}")
 
 

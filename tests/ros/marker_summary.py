@@ -11,7 +11,7 @@ def summary(markers):
             continue
         stamp = [m.header.stamp.sec, m.header.stamp.nanosec]
         if m.ns == "objects":
-            assert m.type in (Marker.CUBE, Marker.CYLINDER, Marker.SPHERE) and 0.0 < m.color.a <= 1.0
+            assert m.type in (Marker.CUBE, Marker.CYLINDER, Marker.SPHERE, Marker.TRIANGLE_LIST) and 0.0 < m.color.a <= 1.0
             p, q, s = m.pose.position, m.pose.orientation, m.scale
             numbers = [p.x, p.y, p.z, q.x, q.y, q.z, q.w, s.x, s.y, s.z]
             ellipsoids[str(m.id)] = [f"{v:.9f}" for v in numbers]

@@ -7,6 +7,7 @@ mod figure;
 mod losses;
 mod markdown;
 mod metric;
+mod page;
 mod paper;
 mod plan;
 mod plot;
@@ -63,7 +64,7 @@ pub(super) struct Args {
     /// So many frames a sequence [default: what suits the trajectory].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000))]
     frames: Option<u64>,
-    /// Folder for experiments.md, experiments.json and the plots.
+    /// Folder for experiments.md, experiments.json, the plots, and experiments.html, which has all of them to look at.
     #[arg(long, short, value_name = "DIR", default_value = "docs")]
     output: PathBuf,
     /// Overwrite earlier results.
@@ -108,7 +109,7 @@ pub(super) fn run(args: &Args) -> Outcome {
 }
 
 fn files(folder: &Path) -> impl Iterator<Item = PathBuf> {
-    let texts = ["experiments.md", "experiments.json"].map(str::to_owned);
+    let texts = ["experiments.md", "experiments.json", "experiments.html"].map(str::to_owned);
     texts.into_iter().chain(figure::files()).map(|name| folder.join(name))
 }
 
@@ -206,8 +207,10 @@ fn write(args: &Args, results: &Results) -> Outcome {
     fs::create_dir_all(&args.output)
         .with_context(|| format!("cannot create the folder {}", args.output.display()))?;
     let mut texts = figure::drawn(results)?;
+    let text = markdown::text(results, &command(args));
+    texts.push(("experiments.html".to_owned(), page::html(&text, &texts)));
     texts.push(("experiments.json".to_owned(), results.json()?));
-    texts.push(("experiments.md".to_owned(), markdown::text(results, &command(args))));
+    texts.push(("experiments.md".to_owned(), text));
     for (name, text) in texts {
         let path = args.output.join(name);
         write_atomically(&path, text.as_bytes())

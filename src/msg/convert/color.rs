@@ -2,7 +2,7 @@
 
 use super::{
     ConvertError,
-    compressed::{Pixels, bad, decoded_jpeg, decoded_png},
+    compressed::{Pixels, bad, decoded_jpeg, decoded_png, jpeg_head},
     depth::rows,
     shown,
 };
@@ -105,6 +105,14 @@ pub fn jpeg(image: &RgbImage, quality: u8) -> Result<Vec<u8>, ConvertError> {
         .encode(&image.data, width, height, jpeg_encoder::ColorType::Rgb)
         .map_err(|e| bad("jpeg", e.to_string()))?;
     Ok(file)
+}
+
+/// Whether the head of a JPEG file can be read; the rest is not looked at.
+///
+/// # Errors
+/// When it cannot, or says a size that no camera has.
+pub fn check_jpeg_head(file: &[u8]) -> Result<(), ConvertError> {
+    jpeg_head("jpeg", file).map(drop)
 }
 
 /// A PNG file.

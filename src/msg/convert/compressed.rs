@@ -83,13 +83,23 @@ fn decoded_if(
 
 /// A picture of three channels from a JPEG file.
 pub(super) fn decoded_jpeg(format: &str, data: &[u8]) -> Result<Pixels, ConvertError> {
+    let mut decoder = jpeg_head(format, data)?;
+    let (width, height) = decoder.dimensions().unwrap_or_default();
+    let data = decoder.decode().map_err(|e| bad(format, e.to_string()))?;
+    Ok(Pixels { width: width as u32, height: height as u32, channels: 3, bits: 8, data })
+}
+
+/// A JPEG file of which the head has been read, with a size that is not too large.
+pub(super) fn jpeg_head<'a>(
+    format: &str,
+    data: &'a [u8],
+) -> Result<JpegDecoder<Cursor<&'a [u8]>>, ConvertError> {
     let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(Cursor::new(data), options);
     decoder.decode_headers().map_err(|e| bad(format, e.to_string()))?;
     let (width, height) = decoder.dimensions().unwrap_or_default();
     check_size((width as u32, height as u32), &[])?;
-    let data = decoder.decode().map_err(|e| bad(format, e.to_string()))?;
-    Ok(Pixels { width: width as u32, height: height as u32, channels: 3, bits: 8, data })
+    Ok(decoder)
 }
 
 /// Depth from `compressedDepth` data: image_transport_plugins, `compressed_depth_image_transport/codec.cpp`.

@@ -1,6 +1,6 @@
 //! Objects and measurements as shapes for RViz and Foxglove.
 
-use super::{header, pose_message};
+use super::{header, pose_message, surface::superquadric_triangles};
 use crate::{
     geometry::{Ellipsoid, Outline, Plane, Pose},
     mapping::{MapObject, ObjectId},
@@ -25,8 +25,8 @@ pub struct ObjectShapes {
     pub cuboids: bool,
 }
 
-/// A shape for each object and a text above it, in the frame of the map; on demand the box round it. What its outline has no
-/// shape for is drawn as the nearest that there is: a superquadric as a box, a cylinder or an ellipsoid.
+/// A shape for each object and a text above it, in the frame of the map; on demand the box round it. Superquadrics, which
+/// viewers have no shape for, are triangles.
 ///
 /// Ids are the objects' own, in the namespaces `objects`, `labels` and `cuboids`.
 pub fn object_markers<'a>(
@@ -40,11 +40,11 @@ pub fn object_markers<'a>(
     for object in objects {
         let ellipsoid = object.ellipsoid();
         let color = color_of(object.label());
-        let kind = if shapes.ellipsoids { Marker::SPHERE } else { shape_of(object.outline) };
+        let outline = if shapes.ellipsoids { Outline::Ellipsoid } else { object.outline };
         let body = Marker {
             header: header(stamp, frame_id),
             id: marker_id(object.id),
-            ..solid("objects", kind, &ellipsoid, with_alpha(color, 0.6))
+            ..outlined("objects", outline, &ellipsoid, with_alpha(color, 0.6))
         };
         if shapes.cuboids {
             let shape = solid("cuboids", Marker::CUBE, &ellipsoid, with_alpha(color, 0.25));
@@ -62,6 +62,7 @@ pub fn object_markers<'a>(
             scale: Vector3 { x: 0.0, y: 0.0, z: TEXT_HEIGHT_M },
             color: ColorRGBA { r: 1.0, g: 1.0, b: 1.0, a: 1.0 },
             text,
+            points: Vec::new(),
             ..body.clone()
         });
         markers.push(body);
@@ -96,15 +97,18 @@ impl Name {
     }
 }
 
-fn shape_of(outline: Outline) -> i32 {
+/// A body as its outline says.
+pub fn outlined(ns: &str, outline: Outline, body: &Ellipsoid, color: ColorRGBA) -> Marker {
     match outline {
-        Outline::Cuboid => Marker::CUBE,
-        Outline::Cylinder => Marker::CYLINDER,
-        Outline::Ellipsoid => Marker::SPHERE,
-        // Exponents up to a half are nearer to corners than to an ellipse.
-        Outline::Superquadric(_, footprint) if footprint <= 0.5 => Marker::CUBE,
-        Outline::Superquadric(profile, _) if profile <= 0.5 => Marker::CYLINDER,
-        Outline::Superquadric(..) => Marker::SPHERE,
+        Outline::Cuboid => solid(ns, Marker::CUBE, body, color),
+        Outline::Cylinder => solid(ns, Marker::CYLINDER, body, color),
+        Outline::Ellipsoid => solid(ns, Marker::SPHERE, body, color),
+        Outline::Superquadric(profile, footprint) => Marker {
+            points: superquadric_triangles(profile, footprint, &body.semi_axes),
+            // The corners are in metres.
+            scale: Vector3 { x: 1.0, y: 1.0, z: 1.0 },
+            ..solid(ns, Marker::TRIANGLE_LIST, body, color)
+        },
     }
 }
 

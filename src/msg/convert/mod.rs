@@ -13,11 +13,12 @@ mod measurements;
 mod objects;
 mod points;
 mod pose;
+mod surface;
 
 pub use camera::{camera, camera_info};
 pub use color::{
-    RgbImage, color_image, color_image_message, compressed_color_image, compressed_color_message,
-    jpeg, png,
+    RgbImage, check_jpeg_head, color_image, color_image_message, compressed_color_image,
+    compressed_color_message, jpeg, png,
 };
 pub use color_message::ColorMessage;
 pub use compressed::{compressed_depth_message, png_depth};
@@ -27,7 +28,9 @@ pub use detections::{
 };
 pub use error::ConvertError;
 pub use image_topic::{is_rectified, without_transport};
-pub use markers::{ObjectShapes, color_of, deletion_markers, measurement_markers, object_markers};
+pub use markers::{
+    ObjectShapes, color_of, deletion_markers, measurement_markers, object_markers, outlined,
+};
 pub use measurements::{landmark_detections, measurement_array};
 pub use objects::{boxes_3d, detections_3d, object_array, path};
 pub use points::point_cloud;

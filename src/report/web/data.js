@@ -57,12 +57,14 @@ const timeOf = (step) => (isEnd(step) ? duration : run.steps[step].t);
 
 const trackList = Object.entries(run.tracks).map(([id, track]) => ({ id: Number(id), ...track }));
 
-/** The objects as they were known at a step. */
+/** The objects as they were known at a step with the standard deviations of heading (rad), place (m) and semi-axes (share) of
+ * that time. */
 function objectsAt(step) {
   if (isEnd(step)) {
     return map.objects.map((object) => ({
       id: object.id, label: object.label, outline: object.outline, position: object.position,
       orientation: object.orientation, semi_axes: object.semi_axes,
+      yaw_sigma: sigma(object, 2), sigmas: [3, 4, 5, 6, 7, 8].map((index) => sigma(object, index)),
     }));
   }
   const now = run.steps[step].t + 1e-6;
@@ -76,10 +78,10 @@ function objectsAt(step) {
     }
     const state = track.states[low - 1];
     if (!state || state.length < 8) continue;
-    const [, x, y, z, yaw, a, b, c] = state;
+    const [, x, y, z, yaw, a, b, c, yawSigma, ...sigmas] = state;
     found.push({
       id: track.id, label: track.label, outline: track.outline, position: [x, y, z],
-      orientation: [0, 0, Math.sin(yaw / 2), Math.cos(yaw / 2)], semi_axes: [a, b, c],
+      orientation: [0, 0, Math.sin(yaw / 2), Math.cos(yaw / 2)], semi_axes: [a, b, c], yaw_sigma: yawSigma, sigmas,
     });
   }
   return found;

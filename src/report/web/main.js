@@ -33,6 +33,7 @@ function setStep(step) {
   view?.setStep(objects, state.step);
   drawImage(state.step, state.selected);
   moveCursors(t);
+  showKnown(state.selected, objects, state.step);
   list(objects);
 }
 
@@ -44,6 +45,7 @@ function select(id) {
   state.selected = id;
   view?.select(id);
   showDetails(id, () => select(null), toTime);
+  showKnown(id, objectsAt(state.step), state.step);
   drawImage(state.step, id);
   list();
   if (id !== null) {
@@ -150,6 +152,12 @@ function listen() {
   document.addEventListener("keydown", onKey);
   window.addEventListener("resize", () => { drawImage(state.step, state.selected); drawSpark(); });
   let pressed = null;
+  $("scene").addEventListener("pointermove", (event) => {
+    if (event.buttons) return;
+    const { left, top } = $("scene").getBoundingClientRect();
+    view?.pointAt(event.clientX - left, event.clientY - top);
+  });
+  $("scene").addEventListener("pointerleave", () => view?.pointAt());
   $("scene").addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
   $("scene").addEventListener("pointerup", (event) => {
     if (!pressed || Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > 4) return;

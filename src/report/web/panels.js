@@ -33,6 +33,7 @@ function drawImage(step, selected) {
   if (source && picture.dataset.step !== String(run.steps.indexOf(at))) {
     picture.dataset.step = String(run.steps.indexOf(at));
     picture.onload = () => { if (mine === pictured) paint(); };
+    picture.onerror = () => { if (mine === pictured) $("caption").firstChild.textContent = "the colour image does not decode; boxes and outlines"; };
     picture.src = source;
   }
   paint();
@@ -92,26 +93,59 @@ function listBoxes(at, labels) {
 
 // --- the list of objects
 
+/** What the list has; it is made anew only when that changes, which it does not while time passes. */
+let listed = "";
+
 function listObjects(present, selected, wanted, onSelect) {
   const there = new Set(present.map((object) => object.id));
   const all = [...map.objects, ...present.filter((object) => !inMap.has(object.id))];
   const matching = all.filter((object) => nameOf(object).toLowerCase().includes(wanted.toLowerCase()));
-  const items = matching.map((object) => {
-    const item = make("li", { role: "option", tabIndex: object.id === selected ? 0 : -1, "aria-selected": String(object.id === selected) },
-      chip(object.label), make("span", {}, nameOf(object)),
-      make("span", { className: "soft" }, object.semi_axes.map((half) => metres(2 * half)).join(" × ")));
-    item.dataset.id = object.id;
-    if (!there.has(object.id)) item.className = "later";
-    item.addEventListener("click", () => onSelect(object.id));
-    return item;
+  const ids = matching.map((object) => object.id);
+  const names = matching.map(nameOf).join("\n");
+  if (names !== listed || !names) {
+    listed = names;
+    const nothing = all.length ? "no object is called so" : "the map has no objects";
+    const items = matching.map((object) => listItem(object, onSelect));
+    $("list").replaceChildren(...(items.length ? items : [make("li", { className: "soft" }, "", nothing)]));
+  }
+  const reached = ids.includes(selected) ? selected : ids[0];
+  matching.forEach((object, at) => {
+    const item = $("list").children[at];
+    item.setAttribute("aria-selected", String(object.id === selected));
+    item.tabIndex = object.id === reached ? 0 : -1;
+    item.className = there.has(object.id) ? "" : "later";
   });
-  if (items.length && !items.some((item) => item.tabIndex === 0)) items[0].tabIndex = 0;
-  const nothing = all.length ? "no object is called so" : "the map has no objects";
-  $("list").replaceChildren(...(items.length ? items : [make("li", { className: "soft" }, "", nothing)]));
-  return matching.map((object) => object.id);
+  return ids;
+}
+
+function listItem(object, onSelect) {
+  const item = make("li", { role: "option" }, chip(object.label), make("span", {}, nameOf(object)),
+    make("span", { className: "soft" }, object.semi_axes.map((half) => metres(2 * half)).join(" × ")));
+  item.dataset.id = object.id;
+  item.addEventListener("click", () => onSelect(object.id));
+  return item;
 }
 
 // --- one object
+
+/** Where the selected object was at a step, how large, and how sure that was then. */
+function showKnown(id, objects, step) {
+  const panel = $("known");
+  if (!panel) return;
+  const then = objects.find((object) => object.id === id);
+  const when = seconds(timeOf(step));
+  if (!then) {
+    panel.replaceChildren(make("p", { className: "soft" }, `Not in the map at ${when}.`));
+    return;
+  }
+  const size = then.semi_axes.map((half, axis) => `${metres(2 * half)} ± ${metres(2 * half * then.sigmas[3 + axis])}`).join(" × ");
+  const place = then.position.map((value, axis) => `${metres(value)} ± ${metres(then.sigmas[axis])}`).join(", ");
+  const yaw = 2 * Math.atan2(then.orientation[2], then.orientation[3]) * (180 / Math.PI);
+  panel.replaceChildren(
+    rows([["size [m]", size], ["position [m]", place], ["heading", `${yaw.toFixed(1)} ± ${(then.yaw_sigma * (180 / Math.PI)).toFixed(1)} °`]]),
+    ...(isEnd(step) ? [] : [make("p", { className: "soft" }, `As known at ${when}; below, at the end.`)]),
+  );
+}
 
 function showDetails(id, onClose, onTime) {
   const panel = $("details");
@@ -125,17 +159,12 @@ function showDetails(id, onClose, onTime) {
     panel.replaceChildren(make("h2", {}, chip(track.label), nameOf(track), close), make("p", { className: "soft" }, "It is not in the map at the end: it went, or it became one with another object."));
     return;
   }
-  const size = object.semi_axes.map((half, axis) => `${metres(2 * half)} ± ${metres(2 * half * sigma(object, 6 + axis))}`).join(" × ");
-  const place = object.position.map((value, axis) => `${metres(value)} ± ${metres(sigma(object, 3 + axis))}`).join(", ");
-  const yaw = 2 * Math.atan2(object.orientation[2], object.orientation[3]) * (180 / Math.PI);
   const since = (stamp) => seconds(stamp - run.start);
   const { kind, exponents } = outlineOf(object.outline);
   panel.replaceChildren(
     make("h2", {}, chip(object.label), nameOf(object), close),
+    make("div", { id: "known" }),
     rows([
-      ["size [m]", size],
-      ["position [m]", place],
-      ["heading", `${yaw.toFixed(1)} ± ${(sigma(object, 2) * (180 / Math.PI)).toFixed(1)} °`],
       ["stands at", object.support_height === null || object.support_height === undefined ? "not seen" : `${metres(object.support_height)} m`],
       ["outline", exponents ? `${kind} ${exponents.join(", ")}` : kind],
       ["existence", percent(object.existence)],

@@ -87,7 +87,9 @@ class View {
     const plain = quality < 0.1 && this.objects.length > MANY;
     for (const kind of this.kinds.values()) kind.solids.drawn.material.visible = !plain;
     this.hurries = quality < 0.1;
-    const ratio = Math.min(window.devicePixelRatio, 2) * (quality < 0.4 ? 0.5 : 1);
+    // In steps, each of which makes new buffers.
+    const coarser = [[0.7, 1], [0.4, 0.75], [0.1, 0.5], [0, 0.4]].find(([least]) => quality >= least)[1];
+    const ratio = Math.min(window.devicePixelRatio, 2) * coarser;
     if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
   }
 
@@ -95,6 +97,11 @@ class View {
     this.renderer.render(this.scene, this.camera);
     this.frames += 1;
     this.drawNames();
+  }
+
+  /** What is asked of the graphics card for a frame. */
+  get drawCalls() {
+    return this.renderer.info.render.calls;
   }
 
   resize() {
@@ -127,7 +134,7 @@ class View {
   addFixed() {
     this.addPoints();
     this.addPlanes();
-    for (const [from, to] of run.walls) this.layer("walls", this.wall(from, to));
+    this.layer("walls", this.wallsOf(run.walls));
     const odom = new THREE.Matrix4();
     if (run.odom) {
       odom.compose(new THREE.Vector3(...run.odom.slice(0, 3)), new THREE.Quaternion(...run.odom.slice(3)), new THREE.Vector3(1, 1, 1));
@@ -243,14 +250,16 @@ class View {
     this.floor = heights.length ? heights[0] : Math.min(0, ...map.objects.map((o) => o.position[2] - o.semi_axes[2]));
   }
 
-  wall([x0, y0], [x1, y1]) {
-    const plane = new THREE.Mesh(
-      new THREE.PlaneGeometry(Math.hypot(x1 - x0, y1 - y0), 1.6),
-      new THREE.MeshBasicMaterial({ color: "#7f8ea3", transparent: true, opacity: 0.3, side: THREE.DoubleSide, depthWrite: false }),
-    );
-    plane.rotation.set(Math.PI / 2, Math.atan2(y1 - y0, x1 - x0), 0, "XYZ");
-    plane.position.set((x0 + x1) / 2, (y0 + y1) / 2, (this.floor || 0) + 0.8);
-    return plane;
+  /** All walls as one body, from the floor to the height of a man. */
+  wallsOf(walls) {
+    const low = this.floor || 0;
+    const corners = walls.flatMap(([[x0, y0], [x1, y1]]) => {
+      const [a, b, c, d] = [[x0, y0, low], [x1, y1, low], [x1, y1, low + 1.6], [x0, y0, low + 1.6]];
+      return [a, b, c, a, c, d].flat();
+    });
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
+    return new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ color: "#7f8ea3", transparent: true, opacity: 0.3, side: THREE.DoubleSide, depthWrite: false }));
   }
 
   addObjects() {
@@ -313,20 +322,15 @@ class View {
     }
   }
 
-  /** Two standard deviations of the place, and of each face. Known at the end only. */
+  /** Two standard deviations of the place, and of each face, as they were known at the time. */
   setUncertainty(objects) {
-    const known = objects.filter((object) => inMap.has(object.id));
-    const spreads = known.map((object) => {
-      const of = inMap.get(object.id);
-      return placeOf({ ...object, semi_axes: [3, 4, 5].map((index) => Math.max(2 * sigma(of, index), 1e-3)) });
-    });
-    const grown = known.map((object) => {
-      const of = inMap.get(object.id);
-      const half = object.semi_axes.map((size, axis) => size + 2 * Math.hypot(sigma(of, 3 + axis), size * sigma(of, 6 + axis)));
+    const spreads = objects.map((object) => placeOf({ ...object, semi_axes: object.sigmas.slice(0, 3).map((of) => Math.max(2 * of, 1e-3)) }));
+    const grown = objects.map((object) => {
+      const half = object.semi_axes.map((size, axis) => size + 2 * Math.hypot(object.sigmas[axis], size * object.sigmas[3 + axis]));
       return placeOf({ ...object, semi_axes: half });
     });
-    this.spread.set(spreads, known.map(() => [0.9, 0.2, 0.2]));
-    this.grown.set(grown, known.map((object) => inkOf(colorOf(object.label))));
+    this.spread.set(spreads, objects.map(() => [0.9, 0.2, 0.2]));
+    this.grown.set(grown, objects.map((object) => inkOf(colorOf(object.label))));
   }
 
   setFrustum(step) {
@@ -355,6 +359,20 @@ class View {
     const object = this.objects.find((one) => one.id === id);
     this.chosen.set(object ? [placeOf({ ...object, semi_axes: object.semi_axes.map((half) => half + 0.012) })] : [], object ? [this.ink] : []);
     this.invalidate();
+  }
+
+  /** The pointer is at a place of the canvas (px), or not over it: what is there gets its name. */
+  pointAt(x, y) {
+    this.pointer = x === undefined ? null : [x, y];
+    if (this.pointing) return;
+    this.pointing = true;
+    requestAnimationFrame(() => {
+      this.pointing = false;
+      const id = this.pointer && this.objectAt(...this.pointer);
+      if (id === this.pointed) return;
+      this.pointed = id;
+      this.invalidate();
+    });
   }
 
   /** The nearest object at a place of the canvas (px). */
@@ -480,7 +498,7 @@ class View {
     this.move();
   }
 
-  /** Names beside objects, nearest first, none over another one. */
+  /** Names beside objects, none over another one: of what is selected, of what the pointer is at, then of the nearest. */
   drawNames() {
     const pen = this.names.getContext("2d");
     const ratio = this.names.width / Math.max(this.canvas.clientWidth, 1);
@@ -490,12 +508,17 @@ class View {
     const style = getComputedStyle(document.documentElement);
     const [ink, back] = [style.getPropertyValue("--text"), style.getPropertyValue("--back")];
     const eye = this.camera.position;
-    const far = (object) => (object.id === this.selected ? -1 : Math.hypot(...object.position.map((v, axis) => v - eye.getComponent(axis))));
+    const far = (object) => {
+      if (object.id === this.selected) return -2;
+      if (object.id === this.pointed) return -1;
+      const [x, y, z] = object.position;
+      return Math.hypot(x - eye.x, y - eye.y, z - eye.z);
+    };
     const taken = [];
     const sorted = this.objects.map((object) => [far(object), object]).sort((a, b) => a[0] - b[0]);
     pen.lineJoin = "round";
     for (const [, object] of sorted) {
-      if (taken.length > (this.hurries ? 25 : 120)) break;
+      if (taken.length > (this.hurries ? 12 : this.objects.length > MANY ? 60 : 120)) break;
       const top = new THREE.Vector3(...object.position);
       top.z += object.semi_axes[2] + 0.03;
       top.project(this.camera);
