@@ -16,6 +16,8 @@ mod python;
 mod replay;
 mod report;
 mod second_visit;
+#[path = "../input/sqlite.rs"]
+mod sqlite;
 mod storages;
 mod run;
 mod what_is_what;

@@ -1,10 +1,15 @@
 //! The same recording in each storage of rosbag2: MCAP, SQLite, compressed with zstd as a whole or message by message.
 
-use crate::run::{Flaw, run, stderr, write_bag};
-use ellipsoid_slam::io::{BagReader, RawMessage};
-use rusqlite::{Connection, params};
+use crate::{
+    run::{Flaw, run, stderr, write_bag},
+    sqlite::{TABLES, write_sqlite},
+};
+use ellipsoid_slam::{
+    io::{BagReader, BagWriter, RawMessage},
+    time::Stamp,
+};
+use rusqlite::Connection;
 use std::{
-    collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
     process::Command,
@@ -16,12 +21,6 @@ fn recording(folder: &Path) -> (PathBuf, Vec<RawMessage>) {
     let messages = BagReader::open(&mcap).unwrap().messages().collect();
     (mcap, messages)
 }
-
-/// The tables of rosbag2.
-const TABLES: &str = "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, \
-    serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL); \
-    CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB NOT NULL); \
-    CREATE INDEX timestamp_idx ON messages (timestamp ASC);";
 
 /// A number as SQLite's records have it: seven bits a byte, all but the last marked (file format, 2.1).
 fn varint(number: u64) -> Vec<u8> {
@@ -75,33 +74,6 @@ fn a_message_that_claims_a_gigabyte_takes_no_memory() {
     assert_eq!(bag.warnings().count() + messages.warnings().len(), 1);
 }
 
-/// What rosbag2 writes, with what `pack` makes of each message.
-fn write_sqlite(path: &Path, messages: &[RawMessage], pack: impl Fn(&[u8]) -> Vec<u8>) {
-    let mut database = Connection::open(path).unwrap();
-    database.execute_batch(TABLES).unwrap();
-    let writing = database.transaction().unwrap();
-    let mut ids: BTreeMap<&str, i64> = BTreeMap::new();
-    for message in messages {
-        let next = ids.len() as i64 + 1;
-        let id = *ids.entry(&message.topic).or_insert(next);
-        if id == next {
-            writing
-                .execute(
-                    "INSERT INTO topics VALUES (?1, ?2, ?3, 'cdr', '')",
-                    params![id, &*message.topic, &*message.type_name],
-                )
-                .unwrap();
-        }
-        writing
-            .execute(
-                "INSERT INTO messages (topic_id, timestamp, data) VALUES (?1, ?2, ?3)",
-                params![id, message.log_time.as_nanos(), pack(&message.data)],
-            )
-            .unwrap();
-    }
-    writing.commit().unwrap();
-}
-
 fn zstd_of(data: &[u8]) -> Vec<u8> {
     zstd::encode_all(data, 3).unwrap()
 }
@@ -126,6 +98,16 @@ fn each_storage_gives_the_same_map() {
         let packed = zstd_of(&fs::read(at(name)).unwrap());
         fs::write(at(&format!("{name}.zstd")), packed).unwrap();
     }
+    let mut packed = BagWriter::create(&at("messages.mcap")).unwrap();
+    for RawMessage { topic, type_name, log_time, data } in &messages {
+        packed.write_raw(topic, type_name, &zstd_of(data), *log_time).unwrap();
+    }
+    packed.finish().unwrap();
+    // Compressed as a whole, under the names of before.
+    fs::create_dir(at("whole")).unwrap();
+    fs::copy(at("plain.db3.zstd"), at("whole/plain.db3.zstd")).unwrap();
+    let listed = "rosbag2_bagfile_information:\n  relative_file_paths: [plain.db3]\n  compression_mode: FILE\n";
+    fs::write(at("whole/metadata.yaml"), listed).unwrap();
     // A folder of rosbag2, whose parts are in the order of its list.
     fs::create_dir(at("folder")).unwrap();
     let (first, second) = messages.split_at(messages.len() / 2);
@@ -137,7 +119,8 @@ fn each_storage_gives_the_same_map() {
 
     let expected = map_of(&mcap, folder.path());
     assert!(expected.contains("label"), "the bag has an object");
-    for name in ["plain.db3", "messages.db3", "plain.db3.zstd", "box.mcap.zstd", "folder"] {
+    let single = ["plain.db3", "messages.db3", "messages.mcap", "plain.db3.zstd", "box.mcap.zstd"];
+    for name in single.into_iter().chain(["whole", "folder"]) {
         assert_eq!(map_of(&at(name), folder.path()), expected, "{name}");
         let read: Vec<RawMessage> = BagReader::open(&at(name)).unwrap().messages().collect();
         assert!(read == messages, "{name}");
@@ -173,6 +156,31 @@ fn a_damaged_database_gives_what_is_whole_and_a_sentence() {
             assert!(kept == messages.len() || warnings > 0, "{kept} messages at byte {at}");
         }
     }
+}
+
+#[test]
+fn a_damaged_page_costs_what_is_on_it_and_little_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bag.db3");
+    let message = |i: usize| RawMessage {
+        topic: "/odom".into(),
+        type_name: "nav_msgs/msg/Odometry".into(),
+        log_time: Stamp::from_nanos(i as i64),
+        data: vec![i as u8; 100],
+    };
+    write_sqlite(&path, &(0..2000).map(message).collect::<Vec<_>>(), <[u8]>::to_vec);
+    let whole = fs::read(&path).unwrap();
+    // A page of rows begins with 13, and with how many there are.
+    let page = |page: &usize| whole[4096 * page] == 13 && whole[4096 * page + 4] > 20;
+    let pages: Vec<usize> = (1..whole.len() / 4096).filter(page).collect();
+    assert!(pages.len() > 20);
+    let mut scarred = whole.clone();
+    scarred[4096 * pages[pages.len() / 2]..][..4096].fill(0xff);
+    fs::write(&path, scarred).unwrap();
+    let bag = BagReader::open(&path).unwrap();
+    let kept = bag.messages().count();
+    assert!((1900..2000).contains(&kept), "{kept}");
+    assert_eq!(bag.warnings().count(), 1);
 }
 
 #[test]

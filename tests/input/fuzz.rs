@@ -7,6 +7,7 @@
 use crate::{
     fixtures::{self, Layout, bag, scene},
     mutants::{Mutants, cases},
+    sqlite::write_sqlite,
 };
 use ellipsoid_slam::{
     config::{Parameters, parameters_from_yaml, parameters_to_yaml},
@@ -68,9 +69,17 @@ fn bytes_of_bags() {
         (Some(Zstd), true, true),
         (Some(Lz4), true, false),
     ];
-    let seeds = layouts.map(|(compression, chunks, summary)| {
-        bag(&scene()[..16], Layout { compression, chunks, summary })
-    });
+    let mut seeds: Vec<Vec<u8>> = layouts
+        .map(|(compression, chunks, summary)| {
+            bag(&scene()[..16], Layout { compression, chunks, summary })
+        })
+        .into();
+    fs::write(&path, &seeds[0]).unwrap();
+    let messages: Vec<_> = BagReader::open(&path).unwrap().messages().collect();
+    let database = folder.path().join("a.db3");
+    write_sqlite(&database, &messages, <[u8]>::to_vec);
+    seeds.push(fs::read(&database).unwrap());
+    seeds.push(zstd::encode_all(seeds[0].as_slice(), 3).unwrap());
     fuzz("bag", &seeds, 60, |bytes, _| {
         fs::write(&path, bytes).unwrap();
         match BagReader::open(&path) {

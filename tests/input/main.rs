@@ -22,3 +22,4 @@ mod poses;
 mod publication;
 mod replay;
 mod roles;
+mod sqlite;
