@@ -24,6 +24,20 @@ printf '%s\n' 'ellipsoid_slam:' '  ros__parameters:' '    perception:' '      gl
 "$program" replay bags/desk.mcap --config "$work/nothing.yaml" --output "$work/nothing" --force > /dev/null
 cp "$work/nothing/report.html" "$work/empty.html"
 
+# What a report costs beside the same replay without: processor time (the least of three) and memory at the peak.
+least() {
+  for _ in 1 2 3; do
+    { time "$program" replay bags/desk.mcap --output "$work/cost" --force "$@" > /dev/null 2>&1; } 2>&1
+  done | sort -n | head -1
+}
+memory() { sed -n 's/.*"peak_memory_mb": \([0-9.]*\).*/\1/p' "$work/cost/summary.json"; }
+TIMEFORMAT=%U
+with=$(least) with_mb=$(memory) without=$(least --no-report) without_mb=$(memory)
+awk -v a="$with" -v b="$without" -v c="$with_mb" -v d="$without_mb" 'BEGIN {
+  printf "report: a replay with it takes %.2f times the processor time (%s s, %s s without) and %.2f times the memory (%d MB, %d MB)\n", a / b, a, b, c / d, c, d
+  exit !(a < 1.5 * b && c < 1.5 * d)
+}' || { echo "a report costs too much" >&2; exit 1; }
+
 recordings=()
 data=${ELLIPSOID_SLAM_DATA:-../shared/data}
 if [ -d "$data/tum_fr3_cabinet" ]; then

@@ -17,7 +17,7 @@ const COARSER: f64 = 1.5;
 /// Points kept: a browser without a graphics card still turns them smoothly.
 const MAX_POINTS: usize = 90_000;
 /// Readings looked at in an image.
-const SAMPLES: f64 = 6_000.0;
+const SAMPLES: f64 = 16_000.0;
 /// Readings from farther off are too noisy to be looked at (m).
 const MAX_DEPTH_M: f32 = 6.0;
 /// Neighbouring readings that differ by more, as a share of the depth, are of different surfaces, and what lies between

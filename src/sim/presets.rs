@@ -1,4 +1,5 @@
-//! Sensors and robots by name: numbers of data sheets and papers, which the estimator does not know.
+//! Sensors and robots by name, with numbers that the estimator does not know: of data sheets where a comment says so,
+//! otherwise chosen to be like what such cameras send.
 
 use super::settings::{CameraSettings, DepthSettings, SimulationSettings};
 
@@ -37,9 +38,9 @@ impl SensorKind {
         let lens = |width, height, focal_px| CameraSettings { width, height, focal_px };
         match self {
             Self::Kinect => (CameraSettings::default(), None),
-            // Data sheet (Intel 337029): colour 69 x 42 degrees at 16:9, of which 640x480 is the middle.
+            // Colour covers 69 x 42 degrees at 16:9, of which 640x480 is the middle: 621 px. 616 px is chosen.
             Self::D435 => (lens(640, 480, 616.0), None),
-            // Luxonis' documentation: IMX378, 69 degrees over 1280 columns; the preview is the middle 720x720 at 250x250.
+            // Luxonis' data sheet: 69 degrees, here over 1280 columns; the preview is the middle 720x720 at 250x250.
             Self::OakD => (lens(250, 250, 324.0), Some(lens(1280, 720, 932.0))),
         }
     }
@@ -48,8 +49,8 @@ impl SensorKind {
         let kinect = DepthSettings { shadow: true, ..DepthSettings::default() };
         match self {
             Self::Kinect => kinect,
-            // Intel, "Tuning depth cameras for best performance": 50 mm, 0.08 px root mean square of disparity, 447 px at 848x480, so
-            // that the standard deviation grows by 0.08 / (447 x 0.05); 2 % of range is what the data sheet guarantees at 2 m.
+            // Chosen: 50 mm between the imagers, 0.08 px root mean square of disparity and 447 px at 848x480, so that the standard
+            // deviation grows by 0.08 / (447 x 0.05).
             Self::D435 => DepthSettings {
                 sigma_m: 0.001,
                 sigma_growth_per_m: 0.0036,
@@ -63,8 +64,9 @@ impl SensorKind {
                 max_range_m: 8.0,
                 ..kinect
             },
-            // Luxonis' documentation of stereo depth: 75 mm, 433 px at 640x400, an eighth of a pixel, less than 2 % below 4 m; windows of
-            // 5 to 7 of those pixels are 10 to 14 of the aligned image.
+            // Luxonis' documentation: 75 mm, 441 px at 640x400, steps of an eighth of a pixel, at least 441 x 0.075 / 95 = 0.35 m, less than 2 %
+            // off below 4 m. Chosen: 0.15 px root mean square of disparity, windows of 5 to 7 of those pixels, which are 10 to 14 of the
+            // aligned image.
             Self::OakD => DepthSettings {
                 sigma_m: 0.001,
                 sigma_growth_per_m: 0.0045,
@@ -87,8 +89,9 @@ impl RobotKind {
     #[must_use]
     pub fn applied(self, settings: SimulationSettings) -> SimulationSettings {
         let (sensor, height_m, pitch_down_rad) = match self {
-            // Clearpath's description of the robot: the camera is level on the shelf.
-            Self::Turtlebot4 => (SensorKind::OakD, 0.22, 0.0),
+            // turtlebot4_description, the standard model: base 6.42, shell 3, bracket 5.26 and camera 9.68 cm above each other, level.
+            Self::Turtlebot4 => (SensorKind::OakD, 0.244, 0.0),
+            // Chosen, like the next one.
             Self::Realsense => (SensorKind::D435, 0.7, 0.15),
             Self::Kinect => (SensorKind::Kinect, 0.95, 0.2),
         };

@@ -15,6 +15,7 @@ mod kill;
 mod python;
 mod replay;
 mod report;
+mod robots;
 mod second_visit;
 #[path = "../input/sqlite.rs"]
 mod sqlite;
