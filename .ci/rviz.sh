@@ -35,5 +35,8 @@ for _ in $(seq 30); do
   colored=$(convert "$work/shot.png" -crop 900x700+450+100 +repage -colorspace HSL -channel G -separate -threshold 35% -format '%[fx:int(mean*w*h)]' info:)
   [ "$colored" -gt 5000 ] && break
 done
+# What was published comes one after the other.
+sleep 6
+import -window root "$work/shot.png"
 echo "$colored coloured pixels in $work/shot.png"
 [ "$colored" -gt 5000 ]
