@@ -283,7 +283,7 @@ fn show_draws_a_result_as_replay_does() {
     let path = |name: &str| folder.path().join(name);
     let (bag, with, without) = (path("home.mcap"), path("with"), path("without"));
     let [bag, with_name, without_name] = [&bag, &with, &without].map(|p| p.to_str().unwrap());
-    let scene = ["simulate", "--scene", "home", "--trajectory", "forward", "--frames", "60"];
+    let scene = ["simulate", "--scene", "home", "--trajectory", "forward", "--frames", "16"];
     assert!(run(&[&scene[..], &["--output", bag]].concat()).status.success());
     assert!(run(&["replay", bag, "--output", with_name]).status.success());
     assert!(run(&["replay", bag, "--output", without_name, "--no-report"]).status.success());
