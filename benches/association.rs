@@ -82,6 +82,7 @@ fn observation(body: Ellipsoid, base_from_camera: Pose, camera: &Camera) -> Obse
     Observation {
         labels: vec![("cup".into(), 0.9)],
         track: None,
+        moves: false,
         outline: Outline::Cuboid,
         rect: Rect::new(low.x, low.y, high.x, high.y),
         sides: ObservedBox { base_from_camera, sides: [None; 4] },

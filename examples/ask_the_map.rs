@@ -4,7 +4,7 @@
 
 use ellipsoid_slam::{
     io::BagInput,
-    mapping::Region,
+    mapping::{Queries, Region},
     nalgebra::Point3,
     pipeline::{FramePose, Keyframe, ObjectSlam, Settings},
 };

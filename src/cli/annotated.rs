@@ -28,14 +28,15 @@ const ANNOTATIONS: &str = "/ellipsoid_slam/annotations";
 const QUALITY: u8 = 70;
 /// Time from one image to the next at the beginning (s).
 const PERIOD_S: f64 = 1.0;
-/// After so many images the time between them doubles: two hours bring 1,400.
-const SAME_PERIOD: usize = 300;
+/// After so many bytes the time between images doubles: two hours bring 45 MB at most, of whatever size images are.
+const SAME_PERIOD_BYTES: usize = 6_000_000;
 
 /// Says which images are taken.
 #[derive(Debug)]
 pub(super) struct Annotator {
     period_s: f64,
-    taken: usize,
+    /// Of images since the time between them changed.
+    bytes: usize,
     latest: Option<Stamp>,
 }
 
@@ -52,7 +53,7 @@ pub(super) struct Annotated {
 
 impl Default for Annotator {
     fn default() -> Self {
-        Self { period_s: PERIOD_S, taken: 0, latest: None }
+        Self { period_s: PERIOD_S, bytes: 0, latest: None }
     }
 }
 
@@ -64,11 +65,15 @@ impl Annotator {
             return false;
         }
         self.latest = Some(stamp);
-        self.taken += 1;
-        if self.taken.is_multiple_of(SAME_PERIOD) {
-            self.period_s *= 2.0;
-        }
         true
+    }
+
+    /// One was taken.
+    pub(super) fn took(&mut self, image: &Annotated) {
+        self.bytes += image.plain.data.len() + image.drawn.data.len();
+        if self.bytes >= SAME_PERIOD_BYTES {
+            (self.bytes, self.period_s) = (0, 2.0 * self.period_s);
+        }
     }
 }
 

@@ -21,6 +21,8 @@ mod import;
 mod inspect;
 mod interruption;
 #[cfg(feature = "ros")]
+mod map_folder;
+#[cfg(feature = "ros")]
 mod node;
 #[cfg(feature = "ros")]
 mod play;

@@ -1,15 +1,14 @@
 //! `node`: the main job, live on ROS 2.
 
-use super::{Failure, Outcome, detector};
+use super::{Failure, Outcome, detector, map_folder::MapFolder};
 use crate::{
     config::{LogLevel, MapFileSettings, Parameters, RosArguments},
-    io::{load_saved_map, save_map},
     mapping::SavedMap,
     ros::{Domain, LogLines, MapFiles, check_remaps, run_node},
 };
 use anyhow::anyhow;
 use clap::Parser;
-use std::{fs, path::Path};
+use std::{env, fs, os::unix::process::CommandExt, path::Path, process::Command, sync::Arc};
 use tracing::Level;
 
 /// Run live on ROS 2 until it is interrupted.
@@ -47,7 +46,31 @@ impl Args {
     }
 }
 
+/// Starts the program once more in its own place, with what makes glibc give the memory of images back.
+///
+/// Once a block of a megabyte has been freed, glibc keeps such blocks instead, between small ones that live longer: a node
+/// grows for hours. It reads the limit only when a program starts. Where that cannot be done, the node only needs more.
+fn keep_memory_small() {
+    if !cfg!(target_env = "gnu") || env::var_os(MMAP_THRESHOLD).is_some() {
+        return;
+    }
+    if let Ok(program) = env::current_exe() {
+        let mut again = Command::new(program);
+        again.args(env::args_os().skip(1));
+        again.env(MMAP_THRESHOLD, BYTES).env("MALLOC_TRIM_THRESHOLD_", BYTES);
+        // Returns only where it fails.
+        let why = again.exec();
+        tracing::debug!("memory of images stays with the program: {why}");
+    }
+}
+
+/// glibc's name for the size from which blocks are given back at once.
+const MMAP_THRESHOLD: &str = "MALLOC_MMAP_THRESHOLD_";
+/// As glibc begins (bytes).
+const BYTES: &str = "131072";
+
 pub(super) fn run(args: &Args, lines: LogLines) -> Outcome {
+    keep_memory_small();
     let arguments = args.parse_ros()?;
     let mut parameters = Parameters::default();
     let without = arguments
@@ -57,40 +80,38 @@ pub(super) fn run(args: &Args, lines: LogLines) -> Outcome {
         tracing::warn!("{path} has no parameters for {}", arguments.full_name());
     }
     check_remaps(&arguments, &parameters.node.topics).map_err(|e| Failure::Usage(e.to_string()))?;
+    let folder = Arc::new(MapFolder::new(&parameters.node.map));
+    let at_start = map_at_start(&parameters.node.map, &folder)?;
+    let saving = Arc::clone(&folder);
     let files = MapFiles {
-        at_start: map_at_start(&parameters.node.map)?,
-        load: Box::new(load),
-        save: Box::new(|path, map| {
-            save_map(path, map).map_err(|e| format!("{}: {e}", path.display()))
-        }),
+        load: Arc::new(move |name| folder.load(name)),
+        save: Arc::new(move |name, maps| saving.save(name, maps)),
     };
     let detector = detector::load(&parameters.node.detector)?;
     if let Some(loaded) = &detector {
         tracing::info!("boxes are found by {}", loaded.described);
     }
     let find = detector.map(|loaded| loaded.find);
-    run_node(Domain::from_environment()?, &arguments, parameters, files, find, lines)?;
+    run_node(Domain::from_environment()?, &arguments, parameters, (at_start, files), find, lines)?;
     Ok(())
 }
 
-/// A first run has no map yet. A file that is there and no map is not passed over: it would be overwritten at the end.
-fn map_at_start(settings: &MapFileSettings) -> Result<Option<SavedMap>, Failure> {
-    let path = Path::new(&settings.file);
+/// A first run has no map yet. A file that is there and no map is not passed over: it would not be overwritten at the end.
+fn map_at_start(
+    settings: &MapFileSettings,
+    folder: &MapFolder,
+) -> Result<Option<SavedMap>, Failure> {
     if !settings.load_on_start {
         return Ok(None);
     }
     if settings.file.is_empty() {
         return Err(Failure::Usage("map.load_on_start needs map.file".into()));
     }
-    if !path.exists() {
-        tracing::warn!("there is no map in {} yet: an empty one is begun", path.display());
+    if !Path::new(&settings.file).exists() {
+        tracing::warn!("there is no map in {} yet: an empty one is begun", settings.file);
         return Ok(None);
     }
-    load(path).map(Some).map_err(|why| Failure::Failed(anyhow!(why)))
-}
-
-fn load(path: &Path) -> Result<SavedMap, String> {
-    load_saved_map(path).map_err(|e| format!("{}: {e}", path.display()))
+    folder.load("").map(Some).map_err(|why| Failure::Failed(anyhow!(why)))
 }
 
 /// The node's name where no argument gives another.

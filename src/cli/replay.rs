@@ -152,7 +152,9 @@ pub(super) fn output_folder(args: &Args) -> PathBuf {
 }
 
 fn load_map(path: &Path) -> anyhow::Result<SavedMap> {
-    load_saved_map(path).with_context(|| path.display().to_string())
+    // Who gives a link means what it points to.
+    let file = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    load_saved_map(&file).with_context(|| path.display().to_string())
 }
 
 /// An empty map, or the one that is continued.

@@ -7,7 +7,9 @@ use crate::{
     io::{BagWriter, disk_problem, map_json, trajectory_text, write_atomically},
     mapping::SavedMap,
     msg::convert::{header, point_cloud, tf_message},
-    pipeline::{FramePose, Input, MAX_FRAMES, ObjectSlam, Update},
+    pipeline::{
+        FramePose, Input, LOCAL_MAP, MAX_FRAMES, MapsToSave, ObjectSlam, SET_ASIDE_MAP, Update,
+    },
     publication::{Outgoing, OutputTopic, Publication, Room, base_transform},
     report::Placed,
     time::Stamp,
@@ -20,18 +22,16 @@ use std::{
 };
 
 /// Everything a replay writes into its folder.
-const FILES: [&str; 7] = [
+const FILES: [&str; 8] = [
     "map.json",
     LOCAL_MAP,
+    SET_ASIDE_MAP,
     "trajectory.tum",
     "trajectory_live.tum",
     "result.mcap",
     "timing.csv",
     "summary.json",
 ];
-
-/// What was seen when the place in the saved map was not recognised.
-const LOCAL_MAP: &str = "local_map.json";
 
 /// Coloured points of what was seen.
 const POINTS: &str = "/ellipsoid_slam/points";
@@ -183,9 +183,8 @@ impl Results {
         self.write_messages(&last, true);
         let poses = self.poses.iter().map(|pose| (pose.stamp, slam.map_from_base(pose)));
         let trajectory: Vec<(Stamp, Pose)> = poses.collect();
-        let frame = if slam.waiting().is_some() { "local_map" } else { &self.map_frame };
-        let map = SavedMap::of(slam.objects(), frame);
-        let mut texts = self.maps(slam, &map)?;
+        let maps = slam.maps(&self.map_frame);
+        let mut texts = self.maps(&maps)?;
         texts.extend([
             ("trajectory.tum", trajectory_text(&trajectory)),
             ("trajectory_live.tum", trajectory_text(&self.live())),
@@ -207,6 +206,11 @@ impl Results {
             None => Ok(()),
             Some(first) => Err(first.context(missing)),
         };
+        // What was seen, in a frame of its own where the place in the saved map was not recognised.
+        let map = match maps.beside {
+            Some((LOCAL_MAP, seen)) => seen,
+            _ => maps.map,
+        };
         Ok(Finished { map, trajectory, complete })
     }
 
@@ -224,17 +228,16 @@ impl Results {
         }
     }
 
-    /// The map, or both where the place in the saved one was not recognised.
-    fn maps(
-        &self,
-        slam: &ObjectSlam,
-        seen: &SavedMap,
-    ) -> anyhow::Result<Vec<(&'static str, String)>> {
-        let Some(waiting) = slam.waiting() else {
+    /// The map, and the one beside it where there are two.
+    fn maps(&self, maps: &MapsToSave) -> anyhow::Result<Vec<(&'static str, String)>> {
+        for other in [LOCAL_MAP, SET_ASIDE_MAP] {
             // Of an earlier replay into the same folder; fails where there is none.
-            let _ = fs::remove_file(self.folder.join(LOCAL_MAP));
-            return Ok(vec![("map.json", map_json(seen)?)]);
-        };
-        Ok(vec![("map.json", map_json(waiting.saved())?), (LOCAL_MAP, map_json(seen)?)])
+            let _ = fs::remove_file(self.folder.join(other));
+        }
+        let mut texts = vec![("map.json", map_json(&maps.map)?)];
+        if let Some((name, map)) = &maps.beside {
+            texts.push((name, map_json(map)?));
+        }
+        Ok(texts)
     }
 }

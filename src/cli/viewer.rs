@@ -106,6 +106,7 @@ impl<'a> Viewer<'a> {
         } else {
             None
         };
+        annotated.iter().for_each(|image| self.annotator.took(image));
         if let Some(recorder) = &mut self.recorder {
             recorder.keyframe(keyframe, anchor, slam, images);
         }

@@ -140,7 +140,7 @@ const METHOD_KEYS: &[Key] = &[
     number("perception.max_names", 1.0, 100.0, "most names of a box, the most probable ones"),
     other(
         "perception.classes",
-        "What is known of classes: symmetry none|plane|dual_plane; outline ellipsoid|cuboid|cylinder|superquadric: [e1, e2]; legs; on_floor; carries things on its top; usual size_m [long, short, height].",
+        "What is known of classes: symmetry none|plane|dual_plane; outline ellipsoid|cuboid|cylinder|superquadric: [e1, e2]; legs; on_floor; carries things on its top; moves by itself; usual size_m [long, short, height].",
     ),
     other("perception.classes.unlisted", "any class without an entry"),
     other("perception.classes.listed", "by the detector's label"),

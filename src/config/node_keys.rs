@@ -57,7 +57,12 @@ pub(super) const NODE_KEYS: &[Key] = &[
     other("detector.classes", "only these, joined by commas; empty: all").at_start(),
     number("detector.max_hz", 0.1, 100.0, "most images a second that are looked at").at_start(),
     other("map", "The map's file."),
-    other("map.file", "where the map is saved and loaded; empty: nowhere"),
+    other("map.file", "where the map is saved and loaded; empty: nowhere").at_start(),
+    other(
+        "map.directory",
+        "folder in which services save and load maps by name; empty: that of map.file",
+    )
+    .at_start(),
     other("map.load_on_start", "load it when the node starts").at_start(),
     other(
         "map.start_pose",

@@ -123,6 +123,8 @@ pub struct QosSettings {
 pub struct MapFileSettings {
     /// Where the map is saved and loaded; empty: nowhere.
     pub file: String,
+    /// The folder in which services save and load maps by name; empty: that of `file`.
+    pub directory: String,
     /// Whether it is loaded at the start.
     pub load_on_start: bool,
     /// Where the base is in it then.

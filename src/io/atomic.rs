@@ -101,7 +101,7 @@ impl TemporaryFile {
         let mut name = target.file_name().unwrap_or_default().to_owned();
         name.push(format!(".{}.part", std::process::id()));
         let temporary = target.with_file_name(name);
-        let file = File::create(&temporary)?;
+        let file = created(&temporary)?;
         unfinished().insert(temporary.clone());
         Ok((Self { target: target.to_owned(), temporary }, file))
     }
@@ -109,6 +109,18 @@ impl TemporaryFile {
     /// Gives the file its final name.
     pub(super) fn keep(&self) -> io::Result<()> {
         fs::rename(&self.temporary, &self.target)
+    }
+}
+
+/// A new file, never one that somebody has put there, nor what a link points to.
+fn created(path: &Path) -> io::Result<File> {
+    match File::create_new(path) {
+        // Left behind by a process of the same number.
+        Err(why) if why.kind() == io::ErrorKind::AlreadyExists => {
+            fs::remove_file(path)?;
+            File::create_new(path)
+        }
+        created => created,
     }
 }
 

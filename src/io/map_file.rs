@@ -4,15 +4,18 @@ use super::{disk_problem, write_atomically};
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, pose_from_xyzw},
     mapping::{SavedMap, SavedObject, proper_belief},
+    pipeline::{MapsToSave, SET_ASIDE_MAP},
     time::Stamp,
 };
 use nalgebra::SMatrix;
+use rustix::fs::OFlags;
 use serde::{Deserialize, Serialize};
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs::{self, File},
+    fs::{self, File, OpenOptions},
     io::{self, Read},
-    path::Path,
+    os::unix::fs::OpenOptionsExt,
+    path::{Path, PathBuf},
 };
 use thiserror::Error;
 
@@ -30,9 +33,12 @@ pub enum MapFileError {
     /// The operating system did not write it.
     #[error("the map cannot be written: {}", disk_problem(.0))]
     Write(io::Error),
-    /// A folder, a pipe, a device, or where it is written, a link.
-    #[error("it is no regular file")]
+    /// A folder, a pipe, a device or a link.
+    #[error("it is no regular file, and maps are; of a link, give what it points to")]
     NotAFile,
+    /// What would be overwritten is something else.
+    #[error("the file that is there is no map of this version: it is not overwritten")]
+    NotAMap,
     /// Larger than any map.
     #[error("the map file is larger than {} MiB, which no map is", MAX_BYTES >> 20)]
     TooLarge,
@@ -107,35 +113,84 @@ pub fn map_json(map: &SavedMap) -> Result<String, MapFileError> {
     Ok(text)
 }
 
-/// Loads a map file.
+/// Loads a map file. The file itself is opened: no link is followed, and a pipe that nobody writes to is not waited for.
 ///
 /// # Errors
-/// When the file cannot be read, is larger than any map, or is not a map.
+/// When it is no regular file, cannot be read, is larger than any map, or is not a map.
 pub fn load_saved_map(path: &Path) -> Result<SavedMap, MapFileError> {
-    // Opening a pipe that nobody writes to would never end.
-    if !fs::metadata(path)?.is_file() {
-        return Err(MapFileError::NotAFile);
-    }
-    let file = File::open(path)?;
+    read_map(&text_of(path)?)
+}
+
+fn text_of(path: &Path) -> Result<String, MapFileError> {
+    let file = opened(path)?;
     let mut text = String::new();
     // What a file says about its length need not be so.
     let read = file.take(MAX_BYTES + 1).read_to_string(&mut text)?;
     if read as u64 > MAX_BYTES {
         return Err(MapFileError::TooLarge);
     }
-    read_map(&text)
+    Ok(text)
+}
+
+fn opened(path: &Path) -> Result<File, MapFileError> {
+    let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
+    let file = OpenOptions::new().read(true).custom_flags(flags).open(path).map_err(|why| {
+        let is_link = fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink());
+        if is_link { MapFileError::NotAFile } else { MapFileError::Io(why) }
+    })?;
+    // Of what was opened, whatever has come in its place since.
+    if file.metadata()?.is_file() { Ok(file) } else { Err(MapFileError::NotAFile) }
 }
 
 /// Saves a map: a crash at any moment leaves the old file whole.
 ///
 /// # Errors
-/// When the map is one that could not be loaded, what is there is no regular file, or it cannot be written; the old one is still there then.
+/// When the map is one that could not be loaded, what is there is no map, or it cannot be written; the old one is still
+/// there then.
 pub fn save_map(path: &Path, map: &SavedMap) -> Result<(), MapFileError> {
     let text = map_json(map)?;
-    if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
-        return Err(MapFileError::NotAFile);
+    match load_saved_map(path) {
+        Ok(_) => {}
+        Err(MapFileError::Io(why)) if why.kind() == io::ErrorKind::NotFound => {}
+        Err(MapFileError::NotAFile) => return Err(MapFileError::NotAFile),
+        Err(_) => return Err(MapFileError::NotAMap),
     }
     write_atomically(path, text.as_bytes()).map_err(MapFileError::Write)
+}
+
+/// Saves what a run leaves: the map in `path`, and another one beside it, whose file is returned. That one is written
+/// first, since it may be what `path` has in it.
+///
+/// # Errors
+/// As [`save_map`]. Where the first cannot be written the second is not.
+pub fn save_maps(path: &Path, maps: &MapsToSave) -> Result<Option<PathBuf>, MapFileError> {
+    let beside = match &maps.beside {
+        None => None,
+        Some((SET_ASIDE_MAP, map)) => Some(save_as_new(path, SET_ASIDE_MAP, map)?),
+        Some((name, map)) => {
+            let file = path.with_file_name(name);
+            save_map(&file, map)?;
+            Some(file)
+        }
+    };
+    save_map(path, &maps.map)?;
+    Ok(beside)
+}
+
+/// Saves a map beside `path`, under the name or, where another map has that, the name with a number.
+fn save_as_new(path: &Path, name: &str, map: &SavedMap) -> Result<PathBuf, MapFileError> {
+    let (text, stem) = (map_json(map)?, name.trim_end_matches(".json"));
+    let (mut file, mut number) = (path.with_file_name(name), 1);
+    loop {
+        match text_of(&file) {
+            Ok(there) if there == text => return Ok(file),
+            Err(MapFileError::Io(why)) if why.kind() == io::ErrorKind::NotFound => break,
+            _ => number += 1,
+        }
+        file = path.with_file_name(format!("{stem}_{number}.json"));
+    }
+    save_map(&file, map)?;
+    Ok(file)
 }
 
 /// Reads the text of a map file. Fields that are not known here are passed over.

@@ -31,7 +31,7 @@ pub use found_boxes::FoundBoxes;
 pub use inspect::{
     BagReport, Coverage, FrameLink, Frames, Matching, NO_ODOMETRY, Rhythm, Stream, inspect,
 };
-pub use map_file::{MapFileError, load_saved_map, map_json, read_map, save_map};
+pub use map_file::{MapFileError, load_saved_map, map_json, read_map, save_map, save_maps};
 pub use trajectory::{TrajectoryError, read_trajectory, trajectory_text};
 pub use tum_camera::TumCamera;
 pub use tum_folder::{TumError, TumFolder, TumFrame, TumOptions};

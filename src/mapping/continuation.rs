@@ -1,4 +1,7 @@
 //! A map that is continued: what is seen has a frame of its own until its place in the saved map is recognised.
+//!
+//! A map of few objects is hardly ever recognised: chance explains what is seen as well. It is entered where the robot is
+//! said to start. Without that it is set aside as soon as more is known than it says, and what was seen is the map.
 
 use super::{
     Constellation, ExpectedPlace, Landmark, MapObject, NotRelocalised, ObjectChange, ObjectId,
@@ -39,9 +42,26 @@ impl Continuation {
         &self.saved
     }
 
+    /// The saved map, as it was.
+    pub fn into_saved(self) -> SavedMap {
+        self.saved
+    }
+
     /// Why the place is not known yet.
     pub fn why(&self) -> &NotRelocalised {
         &self.latest
+    }
+
+    /// Whether the saved map has so few objects that it cannot be waited for.
+    pub fn is_sparse(&self) -> bool {
+        self.saved.objects.len() < FEW_OBJECTS
+    }
+
+    /// Whether `map` says more than the saved one, which then is set aside: it has few objects, its place was not
+    /// recognised, and nobody knows where the robot started in it. At the end of a run, one object more is enough.
+    pub fn is_outgrown_by(&self, map: &ObjectMap, is_last: bool) -> bool {
+        let needed = if is_last { self.saved.objects.len() + 1 } else { FEW_OBJECTS };
+        self.is_sparse() && self.expected.is_none() && map.lasting().count() >= needed
     }
 
     /// Looks whether the place can be recognised by now; if so, `map` has become a part of the saved one, in whose frame
@@ -63,19 +83,27 @@ impl Continuation {
         }
         self.tried = map.keyframes();
         let (ids, seen): (Vec<ObjectId>, Vec<Landmark>) =
-            map.confirmed().map(|object| (object.id, Landmark::from(object))).unzip();
-        match self.constellation.locate(&seen, self.expected.as_ref()) {
-            Ok(found) => {
-                let same = found.matches.iter().map(|(s, k)| (ids[*s], self.saved.objects[*k].id));
-                let same: Vec<_> = same.map(|(seen, known)| (seen, ObjectId(known))).collect();
-                let changes = map.enter(&self.saved, &found.map_from_seen, &same)?;
-                Some((found, changes))
-            }
+            map.lasting().map(|object| (object.id, Landmark::from(object))).unzip();
+        let found = match self.constellation.locate(&seen, self.expected.as_ref()) {
+            Ok(found) => found,
             Err(why) => {
                 self.latest = why;
-                None
+                self.told_place(&seen, is_last)?
             }
-        }
+        };
+        let same = found.matches.iter().map(|(s, k)| (ids[*s], self.saved.objects[*k].id));
+        let same: Vec<_> = same.map(|(seen, known)| (seen, ObjectId(known))).collect();
+        let changes = map.enter(&self.saved, &found.map_from_seen, &same)?;
+        Some((found, changes))
+    }
+
+    /// The place in a map of few objects, where the robot is said to have started: once something in it is seen, or after
+    /// so much time that it would have been.
+    fn told_place(&self, seen: &[Landmark], is_last: bool) -> Option<Relocalised> {
+        let expected = self.expected.as_ref().filter(|_| self.is_sparse())?;
+        let place = self.constellation.place_near(seen, expected)?;
+        let is_ripe = is_last || self.tried >= KEYFRAMES_OF_TRUST;
+        (is_ripe || !place.matches.is_empty()).then_some(place)
     }
 }
 
@@ -129,8 +157,10 @@ impl ObjectMap {
                 changes.push(ObjectChange::Merged { kept, gone });
             }
         }
-        // Only now: the objects of the saved map hold the poses.
-        self.chain.loosen(&mut self.graph);
+        // Only now: the objects of the saved map hold the poses. One alone would let them turn about it.
+        if same.len() >= HOLDING_OBJECTS {
+            self.chain.loosen(&mut self.graph);
+        }
         // OK because the merged objects determine the poses that the first one's prior determined before.
         let _ = self.graph.optimize(MAX_ITERATIONS, DECREASE);
         self.objects.sort_by_key(|object| object.id);
@@ -141,6 +171,12 @@ impl ObjectMap {
 
 /// New keyframes after which it is tried again.
 const KEYFRAMES_BETWEEN_ATTEMPTS: usize = 3;
+/// No place is recognised in a map of fewer objects than these: three have to fit, and any of them may have been moved.
+const FEW_OBJECTS: usize = 5;
+/// After so many keyframes without anything of a map of few objects, the robot is believed to be where it was put.
+const KEYFRAMES_OF_TRUST: usize = 30;
+/// Objects that determine poses without a prior of the first one.
+const HOLDING_OBJECTS: usize = 2;
 /// How well people know where they have put a robot (m).
 const START_M: f64 = 0.3;
 /// The same for its heading (rad).

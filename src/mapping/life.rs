@@ -115,7 +115,10 @@ impl ObjectMap {
         let expected: Vec<bool> = associated
             .prospects
             .iter()
-            .filter(|(at, prospect)| self.objects[**at].counts() && prospect.is_visible())
+            .filter(|(at, prospect)| {
+                let object = &self.objects[**at];
+                object.counts() && !object.moves && prospect.is_visible()
+            })
             .map(|(at, prospect)| {
                 !seen.contains(at) && self.objects[*at].existence.is_empty(prospect)
             })
@@ -164,7 +167,8 @@ impl ObjectMap {
             }
             // Nothing speaks against what is out of the depth camera's reach: it is forgotten.
             let is_vague = object.is_glimpsed() && !object.counts();
-            if is_vague && now.seconds_since(object.last_seen) > GLIMPSE_S {
+            // Nobody knows where a person is who left the image a minute ago.
+            if (is_vague || object.moves) && now.seconds_since(object.last_seen) > GLIMPSE_S {
                 gone.push(object.id);
             }
             if before == ObjectState::Tentative && object.counts() {
@@ -173,7 +177,7 @@ impl ObjectMap {
         }
         for id in gone {
             let departed = self.position(id).map(|at| &self.objects[at]);
-            let departed = departed.filter(|object| object.counts());
+            let departed = departed.filter(|object| object.counts() && !object.moves);
             let departed = departed.map(|object| Departed::new(object, now));
             if self.remove(id).is_ok() && departed.is_some() {
                 self.departed.extend(departed);

@@ -22,7 +22,7 @@ impl ObjectMap {
         self.loop_tried = keyframes;
         let Some(since) = self.chain.stamp_before(RECENT_KEYFRAMES) else { return Vec::new() };
         let pick = |is_picked: &dyn Fn(&MapObject) -> bool| -> (Vec<ObjectId>, Vec<Landmark>) {
-            let picked = self.confirmed().filter(|object| is_picked(object));
+            let picked = self.lasting().filter(|object| is_picked(object));
             picked.map(|object| (object.id, Landmark::from(object))).unzip()
         };
         let (recent_ids, recent) = pick(&|object| object.first_seen >= since);

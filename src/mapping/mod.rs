@@ -41,7 +41,7 @@ pub use notice::Notice;
 pub use object::{MapObject, ObjectId};
 pub use objects::{MappingSettings, ObjectMap, Sighted};
 pub use observation::{Hints, Measured, Observation, ObservedBox, Sighting};
-pub use queries::{Distance, InView, Region, footprint_of};
+pub use queries::{Distance, InView, Queries, Region, footprint_of};
 pub use relocalisation::{
     Constellation, ExpectedPlace, Landmark, NotRelocalised, RelocalisationSettings, Relocalised,
 };

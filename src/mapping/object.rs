@@ -35,6 +35,9 @@ pub struct MapObject {
     pub track: Option<u64>,
     /// What fills its extents.
     pub outline: Outline,
+    /// Whether it moves by itself, going by its class: it is where it was seen last. It holds no pose, and no place is
+    /// recognised by it.
+    pub moves: bool,
     /// Measurements that were joined to it.
     pub observations: u32,
     /// Stamp of the first measurement.
@@ -76,6 +79,7 @@ impl MapObject {
             id,
             track: first.track,
             outline: first.outline,
+            moves: first.moves,
             observations: 0,
             first_seen: stamp,
             last_seen: stamp,
@@ -117,6 +121,7 @@ impl MapObject {
             id: saved.into(),
             track: None,
             outline: saved.outline,
+            moves: false,
             observations: saved.observations,
             first_seen: saved.first_seen,
             last_seen: saved.last_seen,
@@ -242,6 +247,9 @@ impl MapObject {
             *self.votes.entry(label.clone()).or_default() += probability;
         }
         self.belief = settings.labels.posterior(&self.votes);
+        if observation.labels.first().is_some_and(|(label, _)| label == self.label()) {
+            self.moves = observation.moves;
+        }
         let Some(measured) = &observation.measured else { return };
         let eye = map_from_base.translation.vector.into();
         let score = observation.labels.first().map_or(0.0, |(_, score)| *score);

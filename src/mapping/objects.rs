@@ -162,6 +162,7 @@ impl ObjectMap {
             let at = match decision {
                 Decision::Object(at) | Decision::Anew(at) => Some(*at),
                 Decision::Wait => None,
+                Decision::Displaced(at) if self.objects[*at].moves => Some(*at),
                 Decision::Displaced(at) => {
                     before.push((*at, self.objects[*at].clone()));
                     let forgotten = self.displaced(*at, observation, &place)?;
@@ -371,6 +372,11 @@ impl ObjectMap {
     /// From where to where each of [`ObjectMap::walls`] has been seen, seen from above (m).
     pub fn wall_ends(&self) -> impl Iterator<Item = [Point2<f64>; 2]> + '_ {
         self.walls.ends(&self.graph)
+    }
+
+    /// Those of them that stay where they are: what outlives a run, and what a place is recognised by.
+    pub fn lasting(&self) -> impl Iterator<Item = &MapObject> {
+        self.confirmed().filter(|object| !object.moves)
     }
 
     /// All objects, also those seen too seldom to count.

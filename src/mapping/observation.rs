@@ -35,6 +35,8 @@ pub struct Observation {
     pub track: Option<u64>,
     /// What fills the extents of objects of this class.
     pub outline: Outline,
+    /// Whether objects of this class move by themselves.
+    pub moves: bool,
     /// The detector's box (px), where there is a [`Sighting::view`].
     pub rect: Option<Rect>,
     /// The sides of that box.

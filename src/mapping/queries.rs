@@ -61,11 +61,15 @@ pub struct InView<'a> {
     pub sigma_px: f64,
 }
 
-impl ObjectMap {
+/// Objects that can be asked for: those of a map, or a copy of them.
+pub trait Queries {
+    /// All of them.
+    fn all(&self) -> impl Iterator<Item = &MapObject>;
+
     /// Objects that are called so with at least this probability, most probable first.
-    pub fn labelled(&self, label: &str, min_belief: f64) -> Vec<(&MapObject, f64)> {
+    fn labelled(&self, label: &str, min_belief: f64) -> Vec<(&MapObject, f64)> {
         let belief = |object: &MapObject| object.labels().get(label).copied().unwrap_or(0.0);
-        let all = self.confirmed().map(|object| (object, belief(object)));
+        let all = self.all().map(|object| (object, belief(object)));
         let mut found: Vec<_> = all.filter(|(_, b)| *b > 0.0 && *b >= min_belief).collect();
         found.sort_by(|a, b| b.1.total_cmp(&a.1));
         found
@@ -73,30 +77,25 @@ impl ObjectMap {
 
     /// Objects whose centre is in a region with at least this probability; the distance is that of the centre from the
     /// region's border, negative inside. Deepest inside first.
-    pub fn within(&self, region: &Region, min_probability: f64) -> Vec<Distance<'_>> {
+    fn within(&self, region: &Region, min_probability: f64) -> Vec<Distance<'_>> {
         let of = |object| {
             let center = MapObject::ellipsoid(object).center();
             let (distance_m, outwards) = region.signed_distance(&center);
             Distance { object, distance_m, sigma_m: sigma_along(object, &outwards) }
         };
-        let all = self.confirmed().map(of);
+        let all = self.all().map(of);
         sorted(all.filter(|found| found.probability_inside() >= min_probability).collect())
     }
 
     /// The objects nearest to a point, by the distance to their boxes; of one label, if one is given.
-    pub fn nearest(
-        &self,
-        point: &Point3<f64>,
-        label: Option<&str>,
-        count: usize,
-    ) -> Vec<Distance<'_>> {
+    fn nearest(&self, point: &Point3<f64>, label: Option<&str>, count: usize) -> Vec<Distance<'_>> {
         let is_asked = |object: &&MapObject| label.is_none_or(|label| object.label() == label);
         let of = |object: &'_ MapObject| -> (f64, f64) {
             let (distance_m, inwards) =
                 box_distance(&OrientedBox::from(&object.ellipsoid()), point);
             (distance_m, sigma_along(object, &inwards))
         };
-        let all = self.confirmed().filter(is_asked).map(|object| {
+        let all = self.all().filter(is_asked).map(|object| {
             let (distance_m, sigma_m) = of(object);
             Distance { object, distance_m, sigma_m }
         });
@@ -106,17 +105,29 @@ impl ObjectMap {
     }
 
     /// Objects in the image of a camera up to a range (m), nearest first. What hides them is not known here.
-    pub fn in_view(
+    fn in_view(
         &self,
         camera: &Camera,
         map_from_camera: &Pose,
         max_range_m: f64,
     ) -> Vec<InView<'_>> {
         let camera_from_map = map_from_camera.inverse();
-        let all = self.confirmed().filter_map(|o| in_view(o, camera, &camera_from_map));
+        let all = self.all().filter_map(|o| in_view(o, camera, &camera_from_map));
         let mut found: Vec<InView<'_>> = all.filter(|seen| seen.depth_m <= max_range_m).collect();
         found.sort_by(|a, b| a.depth_m.total_cmp(&b.depth_m));
         found
+    }
+}
+
+impl Queries for ObjectMap {
+    fn all(&self) -> impl Iterator<Item = &MapObject> {
+        self.confirmed()
+    }
+}
+
+impl Queries for [MapObject] {
+    fn all(&self) -> impl Iterator<Item = &MapObject> {
+        self.iter()
     }
 }
 

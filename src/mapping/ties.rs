@@ -7,7 +7,7 @@ use crate::{
     geometry::{Ellipsoid, Outline, Plane, Pose},
     graph::{
         BoxObservation, EllipsoidId, EllipsoidObservation, EllipsoidPrior, Factor, FactorId, Graph,
-        NoiseError, PoseId, SizePrior, SupportContact,
+        Noise, NoiseError, PoseId, SizePrior, SupportContact,
     },
 };
 use std::error::Error;
@@ -128,6 +128,9 @@ impl MapObject {
     ) -> Result<Vec<PoseId>, Box<dyn Error>> {
         let mut forgotten = Vec::new();
         let measured = observation.measured.as_ref().filter(|_| settings.observations);
+        if self.moves {
+            return self.tie_moving(graph, measured, place);
+        }
         let to = (self.variable, self.outline);
         let mut sides = observation.sides.factor(place, to, settings)?;
         let is_glimpse = measured.is_some_and(|measured| measured.glimpse.is_some());
@@ -147,6 +150,26 @@ impl MapObject {
             let support = Tie::support_factor(to, plane, settings)?;
             self.tie_once(graph, support, place.keyframe.pose);
         }
+        Ok(forgotten)
+    }
+
+    /// What moves by itself is where it was seen last, give or take a step. That ties it to the map and not to the robot, so
+    /// that it holds no pose.
+    fn tie_moving(
+        &mut self,
+        graph: &mut Graph,
+        measured: Option<&Measured>,
+        place: &Place,
+    ) -> Result<Vec<PoseId>, Box<dyn Error>> {
+        let Some(measured) = measured else { return Ok(Vec::new()) };
+        let in_map = measured.ellipsoid.transformed(&place.map_from_base(graph));
+        let mut covariance = measured.covariance;
+        for horizontal in 3..5 {
+            covariance[(horizontal, horizontal)] += STEP_M * STEP_M;
+        }
+        let noise = Noise::from_covariance(&covariance)?;
+        let forgotten = self.begin_anew(graph, &in_map);
+        self.replace_prior(graph, EllipsoidPrior::new(self.variable, in_map, noise));
         Ok(forgotten)
     }
 
@@ -250,6 +273,8 @@ impl MapObject {
     }
 }
 
+/// How far people go between two images (m).
+const STEP_M: f64 = 0.5;
 /// An object whose class is less probable than this is hardly of it,
 const UNLIKELY_CLASS: f64 = 0.2;
 /// and a measurement made with what is known of that class has this share of its information.

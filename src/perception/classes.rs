@@ -26,6 +26,9 @@ pub struct ClassPrior {
     /// Whether other things stand on their top, which is a horizontal plane: they end there.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub carries: bool,
+    /// Whether they move by themselves: they are where they were seen last, and nothing is told by where they are.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub moves: bool,
     /// Usual extents (m): the longer horizontal one, the shorter one, the height. Used for what was not seen, after
     /// Ok et al. 2019.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -61,7 +64,16 @@ impl Default for Classes {
                 let carries = CARRIERS.contains(label);
                 let size_m = SIZES.iter().find(|(name, _)| name == label).map(|(_, size)| *size);
                 let (symmetry, outline) = (*symmetry, *outline);
-                let prior = ClassPrior { symmetry, outline, legs, foot, on_floor, carries, size_m };
+                let prior = ClassPrior {
+                    symmetry,
+                    outline,
+                    legs,
+                    foot,
+                    on_floor,
+                    carries,
+                    moves: MOVING.contains(label),
+                    size_m,
+                };
                 listed.insert((*label).to_owned(), prior);
             }
         }
@@ -175,6 +187,9 @@ const ROUNDED: Outline = Superquadric(0.5, 1.0);
 /// extents. Of all exponents, this one fits a circle with a handle best.
 const HANDLED: Outline = Superquadric(0.5, 1.3);
 
+const MOVING: &[&str] = &[
+    "bear", "bird", "cat", "cow", "dog", "elephant", "giraffe", "horse", "person", "sheep", "zebra",
+];
 const LEGS: &[&str] = &["bed", "bench", "chair", "couch", "dining table"];
 
 const FEET: &[&str] = &["tv"];

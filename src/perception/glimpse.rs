@@ -57,6 +57,8 @@ pub struct UsualSize {
 /// Something of a class without a usual size is out of the depth camera's reach of `max_range_m` where nothing in the middle
 /// of the box is within it. Otherwise there is nothing: what hides a part of such an object is taken for it too easily.
 ///
+/// Where nothing but a wall is read, nothing of a class that would stand before it is there: it is a picture of one.
+///
 /// What is `around` the objects and `detections` are all of the image, the latter with this one.
 pub(super) fn glimpse(
     frame: &Frame<'_>,
@@ -73,7 +75,11 @@ pub(super) fn glimpse(
         floor: floor(frame, around.planes).filter(|_| prior.on_floor),
         others: detections.iter().map(|other| other.rect).filter(|other| other != rect).collect(),
     };
-    let Readings { ranges, of_object, before_m } = Readings::new(frame, rect, around.walls);
+    let Readings { ranges, of_object, before_m, is_flat } =
+        Readings::new(frame, rect, around.walls);
+    if is_flat && prior.size_m.is_some_and(|[_, short_m, _]| short_m > 2.0 * WALL_M) {
+        return None;
+    }
     let read = of_object.map(Range::read);
     match prior.size_m {
         Some(size_m) => {
@@ -347,6 +353,8 @@ struct Readings {
     of_object: Option<f64>,
     /// How far off the object is at most, as there is a wall (m).
     before_m: f64,
+    /// Whether the box shows a wall and nothing before it.
+    is_flat: bool,
 }
 
 impl Readings {
@@ -375,7 +383,8 @@ impl Readings {
             None
         };
         let farthest_m = on_wall.last().copied().filter(|_| on_wall.len() >= FEW);
-        Self { ranges, of_object, before_m: farthest_m.unwrap_or(f64::INFINITY) }
+        let is_flat = few.is_empty() && 4 * on_wall.len() >= 3 * GRID * GRID;
+        Self { ranges, of_object, before_m: farthest_m.unwrap_or(f64::INFINITY), is_flat }
     }
 }
 

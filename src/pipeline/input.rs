@@ -26,6 +26,27 @@ pub enum Input {
     Detections(DetectionsMessage),
 }
 
+impl Input {
+    /// About how much memory it takes (bytes).
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Depth(depth) => size_of_val(depth.image.metres()),
+            Self::Detections(message) => {
+                let of_name = |(name, _): &(String, f64)| 64 + name.len();
+                let of_box = |d: &Detection| {
+                    size_of::<Detection>() + d.hypotheses().iter().map(of_name).sum::<usize>()
+                };
+                message.detections.iter().map(of_box).sum()
+            }
+            Self::Transforms { transforms, .. } => {
+                let names = |t: &StampedTransform| t.frame_id.len() + t.child_frame_id.len();
+                transforms.iter().map(|t| size_of::<StampedTransform>() + names(t)).sum()
+            }
+            Self::Camera(_) | Self::Odometry(_) => size_of::<Self>(),
+        }
+    }
+}
+
 /// A depth image with its header.
 #[derive(Clone, Debug)]
 pub struct DepthMessage {

@@ -4,7 +4,9 @@ mod camera_pose;
 mod front_end;
 mod history;
 mod input;
+mod maps;
 mod mount;
+mod observations;
 mod odometry;
 mod placement;
 mod rgbd_frame;
@@ -21,6 +23,7 @@ pub use input::{
     CameraMessage, CameraRole, DepthMessage, DetectionsMessage, Input, OdometryMessage,
     StampedTransform,
 };
+pub use maps::{LOCAL_MAP, MapsToSave, SET_ASIDE_MAP};
 pub use placement::Calibration;
 pub use rgbd_frame::{FrameError, RgbdFrame};
 pub use settings::Settings;

@@ -3,19 +3,18 @@
 use super::{
     Calibration, Dropped, FrontEnd, Input, Perceived, Settings,
     front_end::{Look, PerceivedFrame},
+    maps::{LOCAL_FRAME, LOCAL_MAP, MapsToSave, SET_ASIDE_MAP, set_aside},
+    observations::{observation, wall_in_base},
     odometry::Reading,
-    placement::Placement,
 };
 use crate::{
-    geometry::{Camera, Pose, Rect},
-    graph::BoxSide,
+    geometry::{Camera, Pose},
     mapping::{
-        Continuation, Hints, MapObject, Measured, ObjectChange, ObjectId, ObjectMap, Observation,
-        ObservedBox, Relocalised, SavedMap, Sighted, Sighting, SlamSettings, View, WallSighting,
+        Continuation, MapObject, ObjectChange, ObjectId, ObjectMap, Relocalised, SavedMap, Sighted,
+        Sighting, View,
     },
     perception::{
-        DepthImage, Detection, EllipsoidMeasurement, Glimpse, Refused, Stage, StageObserver,
-        WallSegment,
+        DepthImage, Detection, EllipsoidMeasurement, Refused, Stage, StageObserver, WallSegment,
     },
     time::Stamp,
 };
@@ -107,6 +106,8 @@ pub struct ObjectSlam {
     map: ObjectMap,
     /// The saved map, as long as the place in it is not known.
     waiting: Option<Continuation>,
+    /// A saved map of few objects that was given up, since the place in it was not recognised.
+    set_aside: Option<SavedMap>,
     odom_frame: String,
     base_frame: String,
 }
@@ -118,6 +119,7 @@ impl ObjectSlam {
             front_end: FrontEnd::new(settings.clone()),
             map: ObjectMap::new(settings.mapping.clone(), settings.slam),
             waiting: None,
+            set_aside: None,
             odom_frame: settings.sync.odom_frame.clone(),
             base_frame: settings.sync.base_frame.clone(),
             settings,
@@ -127,9 +129,13 @@ impl ObjectSlam {
     /// Continues a saved map. `start` is `map_from_base` at the first frame, if it is known about.
     ///
     /// Until the place in the saved map is recognised, the map is odometry's frame at the first frame and has only what
-    /// was seen since.
+    /// was seen since. An empty map is none. One of fewer than five objects, in which no place can be recognised, is
+    /// entered at `start`; without that it is set aside as soon as five objects, or at the end more than it has, are known.
     pub fn continuing(settings: Settings, saved: SavedMap, start: Option<Pose>) -> Self {
         let mut new = Self::new(settings);
+        if saved.objects.is_empty() {
+            return new;
+        }
         new.map = new.map.continuing(&saved);
         new.waiting = Some(Continuation::new(saved, start, new.settings.relocalisation));
         new
@@ -138,6 +144,24 @@ impl ObjectSlam {
     /// The saved map that the place was not recognised in yet, and why not.
     pub fn waiting(&self) -> Option<&Continuation> {
         self.waiting.as_ref()
+    }
+
+    /// What a run leaves to the next one. `map_frame` is the name of the map's frame.
+    pub fn maps(&self, map_frame: &str) -> MapsToSave {
+        let frame = if self.waiting.is_some() { LOCAL_FRAME } else { map_frame };
+        let seen = SavedMap::of(self.map.lasting(), frame);
+        match (&self.waiting, &self.set_aside) {
+            // The two maps are in frames of their own: neither may be lost for the other.
+            (Some(waiting), _) => MapsToSave {
+                map: waiting.saved().clone(),
+                beside: Some((LOCAL_MAP, seen)),
+                why: Some(waiting.why().to_string()),
+            },
+            (None, Some(saved)) => {
+                MapsToSave { map: seen, beside: Some((SET_ASIDE_MAP, saved.clone())), why: None }
+            }
+            (None, None) => MapsToSave { map: seen, beside: None, why: None },
+        }
     }
 
     /// From now on these settings count; what is in the map stays.
@@ -226,6 +250,12 @@ impl ObjectSlam {
             self.waiting = None;
             update.relocalised = Some(found);
             update.changes.extend(changes);
+        } else if waiting.is_outgrown_by(&self.map, is_last) {
+            let why = set_aside(waiting);
+            let latest = self.map.confirmed().map(|object| object.last_seen).max();
+            let said = |stamp| Dropped { stamp, reason: "saved_map_set_aside", why };
+            update.dropped.extend(latest.map(said));
+            self.set_aside = self.waiting.take().map(Continuation::into_saved);
         }
     }
 
@@ -293,134 +323,9 @@ impl ObjectSlam {
     }
 }
 
-/// What a box says of an object, in the frame of the base.
-fn observation(
-    detection: &Detection,
-    (found, glimpse): (Option<&EllipsoidMeasurement>, Option<&Glimpse>),
-    camera: &Camera,
-    view: (&Pose, &Placement),
-    settings: &Settings,
-) -> Observation {
-    let class = settings.perception.classes.prior(detection.label());
-    let measured = match (found, glimpse) {
-        (Some(measured), _) => Some(in_base(measured, view, class.size_m)),
-        (None, Some(glimpse)) => Some(glimpsed(glimpse, view)),
-        (None, None) => None,
-    };
-    Observation {
-        labels: detection.hypotheses().to_vec(),
-        track: detection.track,
-        outline: class.outline,
-        rect: Some(detection.rect),
-        sides: observed_box(detection, (found, glimpse), camera, view, &settings.slam),
-        measured,
-    }
-}
-
 /// What the map doubted or could not use.
 fn warnings(stamp: Stamp, sighted: &Sighted) -> Vec<Dropped> {
     let doubts = sighted.notices.iter().map(|notice| (notice.reason(), notice.to_string()));
     let refused = sighted.refused.iter().map(|why| ("graph", why.clone()));
     doubts.chain(refused).map(|(reason, why)| Dropped { stamp, reason, why }).collect()
-}
-
-/// A measurement in the frame of the base. Liao et al. 2020, eq. (12).
-fn in_base(
-    measurement: &EllipsoidMeasurement,
-    (base_from_camera, placement): (&Pose, &Placement),
-    usual_m: Option<[f64; 3]>,
-) -> Measured {
-    let ellipsoid = measurement.ellipsoid.transformed(base_from_camera);
-    let covariance = placement.widened(&measurement.covariance, &ellipsoid);
-    // Where the camera is not known exactly, faces are not either.
-    let faces = std::array::from_fn(|face| {
-        let at = (3 + face / 2, 3 + face / 2);
-        measurement.faces[face]
-            .widened((covariance[at] - measurement.covariance[at]).max(0.0).sqrt())
-    });
-    let measured = Measured {
-        covariance,
-        ellipsoid,
-        faces: Some(faces),
-        probability: measurement.probability.combined(),
-        support: measurement.support.map(|plane| plane.transformed(base_from_camera)),
-        usual_m,
-        glimpse: None,
-    };
-    match usual_m {
-        Some([long_m, short_m, _]) => measured.doubting_its_size(long_m.max(short_m)),
-        None => measured,
-    }
-}
-
-fn wall_in_base(
-    wall: &WallSegment,
-    (base_from_camera, placement): (&Pose, &Placement),
-) -> WallSighting {
-    let (center, normal) = (base_from_camera * wall.center, base_from_camera * wall.normal);
-    let displaced_m = normal.dot(&(placement.displacement(&center) * normal)).sqrt();
-    let heading_sigma = wall.heading_sigma.hypot(placement.heading_sigma());
-    WallSighting {
-        center,
-        normal,
-        half_length_m: wall.half_length_m,
-        sigmas: [heading_sigma, wall.distance_sigma_m.hypot(displaced_m)],
-    }
-}
-
-fn glimpsed(glimpse: &Glimpse, (base_from_camera, placement): (&Pose, &Placement)) -> Measured {
-    let ellipsoid = glimpse.ellipsoid.transformed(base_from_camera);
-    Measured {
-        covariance: placement.widened(&glimpse.covariance, &ellipsoid),
-        ellipsoid,
-        faces: None,
-        probability: 0.0,
-        support: glimpse.floor.map(|plane| plane.transformed(base_from_camera)),
-        usual_m: None,
-        glimpse: Some(Hints {
-            depth_covariance: placement.widened(&glimpse.depth_covariance, &ellipsoid),
-            usual: glimpse.usual,
-        }),
-    }
-}
-
-/// The sides of a box that say where the object ends, as directions: all inside the image, or of round objects those that
-/// are seen to be the silhouette.
-fn observed_box(
-    detection: &Detection,
-    (measured, glimpse): (Option<&EllipsoidMeasurement>, Option<&Glimpse>),
-    camera: &Camera,
-    (base_from_camera, placement): (&Pose, &Placement),
-    settings: &SlamSettings,
-) -> ObservedBox {
-    let round = measured.filter(|m| settings.silhouettes && m.outline.is_round());
-    let used = if settings.boxes { [true; 4] } else { round.map_or([false; 4], |m| m.silhouette) };
-    let Rect { x_min, y_min, x_max, y_max } = detection.rect;
-    let (u, v) = detection.rect.center();
-    let ((fx, fy), border) = (camera.focal(), settings.box_border_px);
-    let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
-    let inside = |at: f64, end: f64| at > border && at < end - border;
-    let extents = [detection.rect.width(), detection.rect.height()];
-    let usual =
-        |side: usize| settings.box_sigma_px.hypot(settings.box_sigma_ratio * extents[side % 2]);
-    let places = [
-        (camera.ray(x_min, v).x, inside(x_min, right), fx),
-        (camera.ray(u, y_min).y, inside(y_min, bottom), fy),
-        (camera.ray(x_max, v).x, inside(x_max, right), fx),
-        (camera.ray(u, y_max).y, inside(y_max, bottom), fy),
-    ];
-    let turned = placement.direction_sigmas();
-    let sides = std::array::from_fn(|side| {
-        let (at, is_inside, focal) = places[side];
-        let sigma_px = match glimpse {
-            Some(glimpse) if !settings.boxes => {
-                glimpse.hidden_px[side].map(|px| px.hypot(usual(side)))
-            }
-            _ => used[side].then(|| usual(side)),
-        };
-        sigma_px
-            .filter(|_| is_inside)
-            .map(|px| BoxSide { at, sigma: turned[side % 2].hypot(px / focal) })
-    });
-    ObservedBox { base_from_camera: *base_from_camera, sides }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     geometry::{Camera, OrientedBox, Pose},
-    mapping::{MapObject, ObjectId, ObjectMap, Region},
+    mapping::{MapObject, ObjectId, Queries, Region},
     msg::{
         convert::header,
         ellipsoid_slam::{QueryObjectsRequest, QueryObjectsResponse},
@@ -28,7 +28,7 @@ pub struct View {
 /// The objects for which everything holds that is asked for; `QueryObjects.srv` says what.
 pub fn query_objects(
     request: &QueryObjectsRequest,
-    map: &ObjectMap,
+    map: &(impl Queries + ?Sized),
     view: Option<&View>,
     (stamp, frame_id): (Stamp, &str),
 ) -> QueryObjectsResponse {
@@ -50,7 +50,7 @@ pub fn query_objects(
         let nearest = map.nearest(&point(&request.nearest_to), None, usize::MAX);
         nearest.into_iter().map(|found| found.object).collect()
     } else {
-        map.confirmed().collect()
+        map.all().collect()
     };
     found.retain(|object| {
         let labels = &request.labels;
@@ -72,13 +72,13 @@ pub fn query_objects(
     QueryObjectsResponse { success: true, message, header: header(stamp, frame_id), ids }
 }
 
-fn seen(map: &ObjectMap, view: &View, max_range_m: f64) -> BTreeSet<ObjectId> {
+fn seen(map: &(impl Queries + ?Sized), view: &View, max_range_m: f64) -> BTreeSet<ObjectId> {
     let max_range_m = if max_range_m > 0.0 { max_range_m } else { f64::INFINITY };
     let seen = map.in_view(&view.camera, &view.map_from_camera, max_range_m);
     seen.into_iter().map(|seen| seen.object.id).collect()
 }
 
-fn inside(map: &ObjectMap, request: &QueryObjectsRequest) -> BTreeSet<ObjectId> {
+fn inside(map: &(impl Queries + ?Sized), request: &QueryObjectsRequest) -> BTreeSet<ObjectId> {
     let (low, high) = (point(&request.region_min), point(&request.region_max));
     let middle = Translation3::from((low.coords + high.coords) / 2.0);
     let pose = Pose::from_parts(middle, UnitQuaternion::identity());

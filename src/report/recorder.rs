@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     geometry::{Camera, Pose, yaw_of},
-    mapping::{MapObject, ObjectChange, ObjectId},
+    mapping::{MapObject, ObjectChange, ObjectId, Queries},
     msg::convert::ColorMessage,
     pipeline::{FramePose, Keyframe, ObjectSlam, Update},
     publication::{View, outline_in_image},

@@ -101,10 +101,10 @@ impl Detecting {
         Arc::clone(&self.newest)
     }
 
-    /// Ends when the image that it looks at is done.
+    /// Ends after the image that it looks at, for which nobody waits: its boxes are of no use any more.
     pub(super) fn stop(self) {
         self.newest.close();
-        if self.thread.join().is_err() {
+        if self.thread.is_finished() && self.thread.join().is_err() {
             tracing::error!("the detector's thread has ended by itself; its last words are above");
         }
     }

@@ -3,7 +3,7 @@
 //! One thread perceives (`perceiver.rs`), another owns the map (`worker.rs`): what takes long, as closing a loop or
 //! recognising a place, delays the map and never perception. Everything else runs on one asynchronous thread:
 //! subscriptions put what they receive into an inbox, which drops the oldest depth image when it is full; timers
-//! broadcast `map → odom` and diagnostics; commands of services go the way of messages, so that they keep their turn.
+//! broadcast `map → odom` and diagnostics; what services ask for comes before images that wait.
 //!
 //! ros2-client's spinner is not used: it answers parameter services without descriptions and ranges, and what it
 //! would tell of publishers is in discovery's own tables (`discovery.rs`).
@@ -17,6 +17,7 @@ mod discovery;
 mod domain;
 mod finding;
 mod inbox;
+mod jobs;
 mod names;
 mod node;
 mod outputs;
@@ -39,4 +40,4 @@ pub use node::{NodeError, NotCreated, run_node};
 pub use player::{PlayError, Player};
 pub use remaps::{UnmatchedRemap, check_remaps};
 pub use rosout::{LogLayer, LogLines, log_lines};
-pub use worker::{LoadMap, MapFiles, SaveMap};
+pub use worker::{LoadMap, MapFiles, SaveMaps};

@@ -9,14 +9,15 @@ use super::{
     domain::{Domain, DomainError},
     finding::Finding,
     inbox::Inbox,
+    jobs::Jobs,
     names::node_name,
     outputs::Outputs,
     parameters::Live,
-    perceiver::{MOST_JOBS, Perceiver},
+    perceiver::Perceiver,
     problems::Problems,
     qos,
     rosout::LogLines,
-    services::serve_map,
+    services::{Orders, serve_map},
     status::Shared,
     subscriptions::{Inputs, Subscriptions},
     transport::Node,
@@ -24,6 +25,7 @@ use super::{
 };
 use crate::{
     config::{NodeSettings, Parameters, RosArguments},
+    mapping::SavedMap,
     msg::convert::FindBoxes,
     pipeline::{FrontEnd, ObjectSlam},
 };
@@ -32,8 +34,9 @@ use std::{
     fmt::Display,
     future::{Future, pending},
     io,
-    sync::{Arc, mpsc},
+    sync::Arc,
     thread,
+    time::Duration,
 };
 use thiserror::Error;
 use tokio::{
@@ -41,6 +44,7 @@ use tokio::{
     signal::unix::{Signal, SignalKind, signal},
     sync::{oneshot, watch},
     task::LocalSet,
+    time::timeout,
 };
 
 /// Why the node does not run.
@@ -55,6 +59,9 @@ pub enum NodeError {
     /// The operating system.
     #[error("cannot start: {0}")]
     System(#[from] io::Error),
+    /// The disk does not answer.
+    #[error("the map was not saved within {0} s: the disk does not answer")]
+    NotSaved(u64),
     /// The thread that owns the core ended by itself, which is a bug.
     #[error("the thread that builds the map has ended; its last words are above")]
     WorkerEnded,
@@ -75,7 +82,7 @@ impl NotCreated {
     }
 }
 
-/// Runs the node until SIGINT or SIGTERM. It publishes the log's `lines` on `/rosout`. Where it is given a detector, it
+/// Runs the node until SIGINT or SIGTERM. It begins with a map where it is given one. It publishes the log's `lines` on `/rosout`. Where it is given a detector, it
 /// finds the boxes in the colour images itself.
 ///
 /// # Errors
@@ -84,7 +91,7 @@ pub fn run_node(
     domain: Domain,
     arguments: &RosArguments,
     parameters: Parameters,
-    files: MapFiles,
+    (at_start, files): (Option<SavedMap>, MapFiles),
     detector: Option<FindBoxes>,
     lines: LogLines,
 ) -> Result<(), NodeError> {
@@ -97,7 +104,7 @@ pub fn run_node(
     let node = Node::join(domain, node_name(arguments.namespace(), arguments.node())?)?;
     let tasks = LocalSet::new();
     let mut start = Start { node, arguments, tasks: &tasks };
-    let (running, sinks) = start.everything(parameters, files, detector)?;
+    let (running, sinks) = start.everything(parameters, (at_start, files), detector)?;
     start.log(lines)?;
     tracing::info!("{name} runs in domain {}", domain.id);
     let outcome =
@@ -133,6 +140,7 @@ struct Start<'a> {
 /// A node that has started.
 struct Running {
     inbox: Arc<Inbox>,
+    jobs: Arc<Jobs>,
     detecting: Option<Detecting>,
     worker: thread::JoinHandle<()>,
     ended: oneshot::Receiver<()>,
@@ -157,31 +165,42 @@ impl Start<'_> {
     fn everything(
         &mut self,
         parameters: Parameters,
-        files: MapFiles,
+        (at_start, files): (Option<SavedMap>, MapFiles),
         detector: Option<FindBoxes>,
     ) -> Result<(Running, Sinks), NodeError> {
         let arguments = self.arguments;
         let status = Shared::default();
         let inbox = Arc::new(Inbox::new(MOST_DEPTH));
-        let live = Live::new(parameters.clone(), Arc::clone(&inbox));
+        let jobs = Arc::new(Jobs::default());
+        let live = Live::new(parameters.clone(), Arc::clone(&inbox), Arc::clone(&jobs));
         let (correction, corrected) = watch::channel(None);
         let color = ColorImages::default();
         let own = parameters.node.clone();
-        let (give, jobs) = mpsc::sync_channel(MOST_JOBS);
         let front_end = FrontEnd::new(parameters.slam.clone());
-        let perceiver = Perceiver::new(front_end, Arc::clone(&inbox), give);
+        let perceiver = Perceiver::new(front_end, Arc::clone(&inbox), Arc::clone(&jobs));
+        let (tell, known) = watch::channel(Arc::default());
         let worker = Worker {
             slam: ObjectSlam::new(parameters.slam.clone()),
             parameters,
             outputs: Outputs::create(&mut self.node, arguments, &own, correction, color.clone())?,
-            jobs,
+            jobs: Arc::clone(&jobs),
             status: status.clone(),
-            files,
+            at_start,
+            save: Arc::clone(&files.save),
+            known: tell,
         };
         let tf = self.node.publisher(&arguments.resolve("/tf"), &qos::tf())?;
         self.tasks.spawn_local(broadcast(tf, corrected, status.clone(), live.watch()));
         live.serve(&mut self.node, arguments, self.tasks)?;
-        serve_map(&mut self.node, arguments, &inbox, self.tasks)?;
+        let orders = Orders {
+            inbox: Arc::clone(&inbox),
+            jobs: Arc::clone(&jobs),
+            files,
+            known,
+            status: status.clone(),
+            map_frame: own.map_frame.clone(),
+        };
+        serve_map(&mut self.node, arguments, &orders, self.tasks)?;
         if own.use_sim_time {
             self.tasks.spawn_local(clock::follow(&mut self.node, status.clone())?);
         }
@@ -203,7 +222,7 @@ impl Start<'_> {
             let _ends: oneshot::Sender<()> = ends;
             worker.run();
         })?;
-        Ok((Running { inbox, detecting, worker, ended }, sinks))
+        Ok((Running { inbox, jobs, detecting, worker, ended }, sinks))
     }
 
     /// Finds the topics that nobody named, and subscribes. It ends only where that fails.
@@ -257,20 +276,29 @@ impl Start<'_> {
 
 impl Running {
     async fn until_stopped(
-        self,
+        mut self,
         mut signals: Signals,
         listening: impl Future<Output = Result<Infallible, NodeError>>,
     ) -> Result<(), NodeError> {
         tokio::select! {
             _ = signals.interrupt.recv() => tracing::info!("interrupted"),
             _ = signals.terminate.recv() => tracing::info!("terminated"),
-            _ = self.ended => return Err(NodeError::WorkerEnded),
+            _ = &mut self.ended => return Err(NodeError::WorkerEnded),
             Err(failed) = listening => return Err(failed),
         }
         if let Some(detecting) = self.detecting {
             detecting.stop();
         }
         self.inbox.close();
-        self.worker.join().map_err(|_| NodeError::WorkerEnded)
+        self.jobs.end_within(BACKLOG);
+        match timeout(SAVING, self.ended).await {
+            Ok(_) => self.worker.join().map_err(|_| NodeError::WorkerEnded),
+            Err(_) => Err(NodeError::NotSaved(SAVING.as_secs())),
+        }
     }
 }
+
+/// How long messages that came before the end are worked on: those that wait longer are dropped for the map.
+const BACKLOG: Duration = Duration::from_millis(500);
+/// How long the end may take: launchers kill after ten seconds.
+const SAVING: Duration = Duration::from_secs(8);

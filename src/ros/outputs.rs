@@ -9,12 +9,11 @@ use super::{
 };
 use crate::{
     config::{NodeSettings, PublishSettings, RosArguments},
+    mapping::MapObject,
     msg::{
         Message,
         convert::{color_image_message, header},
-        ellipsoid_slam::{
-            EllipsoidMeasurementArray, ObjectArray, QueryObjectsRequest, QueryObjectsResponse,
-        },
+        ellipsoid_slam::{EllipsoidMeasurementArray, ObjectArray},
         nav_msgs::{Odometry, Path},
         rtabmap_msgs::LandmarkDetections,
         sensor_msgs::Image,
@@ -23,7 +22,7 @@ use crate::{
         visualization_msgs::MarkerArray,
     },
     pipeline::{Input, Keyframe, ObjectSlam, Update},
-    publication::{Outgoing, OutputTopic, Publication, draw_debug_image, query_objects},
+    publication::{Outgoing, OutputTopic, Publication, View, draw_debug_image},
     time::Stamp,
 };
 use tokio::sync::watch;
@@ -31,10 +30,16 @@ use tokio::sync::watch;
 /// All outputs that follow from an update.
 pub(super) struct Outputs {
     publication: Publication,
-    map_frame: String,
     topics: Topics,
     color: ColorImages,
     draws: bool,
+}
+
+/// The map and the latest view of it, as services tell of them: a copy, so that nobody waits for an image in work.
+#[derive(Clone, Default)]
+pub(super) struct Known {
+    pub(super) objects: Vec<MapObject>,
+    pub(super) view: Option<View>,
 }
 
 /// Where messages go.
@@ -62,7 +67,6 @@ impl Outputs {
     ) -> Result<Self, NotCreated> {
         Ok(Self {
             publication: Publication::new(settings.publish, &settings.map_frame),
-            map_frame: settings.map_frame.clone(),
             topics: Topics::create(node, arguments, transforms)?,
             color,
             draws: settings.publish.debug_image,
@@ -103,14 +107,9 @@ impl Outputs {
         self.topics.send_all(messages);
     }
 
-    /// The objects that a client asks for.
-    pub(super) fn query(
-        &self,
-        request: &QueryObjectsRequest,
-        slam: &ObjectSlam,
-        stamp: Stamp,
-    ) -> QueryObjectsResponse {
-        query_objects(request, slam.map(), self.publication.view(), (stamp, &self.map_frame))
+    /// What services tell of the map as it is now.
+    pub(super) fn known(&self, slam: &ObjectSlam) -> Known {
+        Known { objects: slam.objects().cloned().collect(), view: self.publication.view().cloned() }
     }
 
     fn draw(&mut self, keyframe: &Keyframe, slam: &ObjectSlam) {

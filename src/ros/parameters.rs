@@ -2,6 +2,7 @@
 
 use super::{
     inbox::Inbox,
+    jobs::Jobs,
     node::NotCreated,
     services::{fits, serve},
     transport::Node,
@@ -27,7 +28,8 @@ use tokio::{sync::watch, task::LocalSet};
 #[derive(Clone)]
 pub(super) struct Live {
     all: Rc<RefCell<Parameters>>,
-    worker: Arc<Inbox>,
+    inbox: Arc<Inbox>,
+    jobs: Arc<Jobs>,
     changed: watch::Sender<Parameters>,
 }
 
@@ -61,9 +63,9 @@ service!(
 );
 
 impl Live {
-    pub(super) fn new(parameters: Parameters, worker: Arc<Inbox>) -> Self {
+    pub(super) fn new(parameters: Parameters, inbox: Arc<Inbox>, jobs: Arc<Jobs>) -> Self {
         let changed = watch::channel(parameters.clone()).0;
-        Self { all: Rc::new(RefCell::new(parameters)), worker, changed }
+        Self { all: Rc::new(RefCell::new(parameters)), inbox, jobs, changed }
     }
 
     /// The parameters, now and whenever they change.
@@ -145,7 +147,8 @@ impl Live {
             Err(e) => Err(e.to_string()),
         });
         if outcome.is_ok() {
-            self.worker.order(Command::Settings(Box::new(changed.clone())));
+            self.inbox.change_settings(changed.slam.clone());
+            self.jobs.order(Command::Settings(Box::new(changed.clone())));
             self.changed.send_replace(changed.clone());
             *self.all.borrow_mut() = changed;
         }

@@ -69,6 +69,12 @@ impl Shared {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// The present of the data that the map is made of.
+    pub(super) fn present(&self) -> Stamp {
+        let status = self.lock();
+        status.present.unwrap_or_else(|| status.ros_time())
+    }
+
     /// A message came.
     pub(super) fn received(&self, topic: &str, stamp: Option<Stamp>, is_present: bool) {
         let mut status = self.lock();

@@ -20,5 +20,6 @@ mod second_visit;
 #[path = "../input/sqlite.rs"]
 mod sqlite;
 mod storages;
+mod sparse_maps;
 mod run;
 mod what_is_what;

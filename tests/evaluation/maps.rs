@@ -259,12 +259,13 @@ fn maps_are_regular_files() {
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     fs::write(&target, "precious").unwrap();
     std::os::unix::fs::symlink(&target, &link).unwrap();
+    let refused = "it is no regular file, and maps are; of a link, give what it points to";
     for path in [&pipe, &link, &folder.path().to_owned()] {
-        assert_eq!(save_map(path, &map).unwrap_err().to_string(), "it is no regular file");
+        assert_eq!(save_map(path, &map).unwrap_err().to_string(), refused);
+        assert_eq!(load_saved_map(path).unwrap_err().to_string(), refused);
     }
-    for path in [&pipe, &folder.path().to_owned()] {
-        assert_eq!(load_saved_map(path).unwrap_err().to_string(), "it is no regular file");
-    }
+    let kept = save_map(&target, &map).unwrap_err().to_string();
+    assert_eq!(kept, "the file that is there is no map of this version: it is not overwritten");
     assert_eq!(fs::read_to_string(&target).unwrap(), "precious");
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
 }

@@ -14,6 +14,7 @@ mod detections;
 mod detector;
 mod fixtures;
 mod fuzz;
+mod generations;
 mod inspect;
 mod mutants;
 #[cfg(feature = "detector")]

@@ -5,6 +5,7 @@ Says "loaded" when the robot may drive. Then each object of the file has to come
 
 import json
 import math
+import os
 import sys
 
 from cyclone_messages import Detection3DArray, LoadMapRequest, LoadMapResponse
@@ -13,7 +14,7 @@ from cyclone_participant import LATCHED, client, reader, wait_for
 with open(sys.argv[1]) as file:
     saved = {str(o["id"]): o for o in json.load(file)["objects"]}
 objects = reader("/ellipsoid_slam/objects", Detection3DArray, LATCHED)
-loaded = client("load_map", LoadMapRequest, LoadMapResponse)(path=sys.argv[1])
+loaded = client("load_map", LoadMapRequest, LoadMapResponse)(path=os.path.basename(sys.argv[1]))
 assert loaded.success and loaded.objects == len(saved) >= 5, loaded
 print("loaded", flush=True)
 

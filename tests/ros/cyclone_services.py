@@ -1,7 +1,12 @@
-"""A client of our own services, on Cyclone DDS: looks objects up, saves and loads the map."""
+"""A client of our own services, on Cyclone DDS: looks objects up, saves and loads the map.
+
+Given the file that the node writes maps to, in the node's folder of maps.
+"""
 
 import json
+import os
 import sys
+import time
 
 from cyclone_messages import (
     LoadMapRequest,
@@ -18,14 +23,41 @@ query = client("query_objects", QueryObjectsRequest, QueryObjectsResponse)
 save = client("save_map", SaveMapRequest, SaveMapResponse)
 load = client("load_map", LoadMapRequest, LoadMapResponse)
 
-saved = save(path=sys.argv[1])
+NAME = os.path.basename(sys.argv[1])
+FOLDER = os.path.dirname(sys.argv[1])
+
+saved = save(path=NAME)
 assert saved.success and sys.argv[1] in saved.message, saved
 with open(sys.argv[1]) as file:
     objects = json.load(file)["objects"]
 assert len(objects) >= 5, objects
 refused = save(path="")
 assert not refused.success and "map.file" in refused.message, refused
-assert not save(path="/no/such/folder/map.json").success
+
+# Names only, and nothing that is there and no map.
+with open(f"{FOLDER}/other.json", "w") as file:
+    file.write("mine")
+os.symlink(f"{FOLDER}/other.json", f"{FOLDER}/link.json")
+os.mkfifo(f"{FOLDER}/pipe.json")
+before = sorted(os.listdir(FOLDER))
+refusals = {
+    sys.argv[1]: "is no name of a map",
+    "../map.json": "is no name of a map",
+    ".hidden.json": "is no name of a map",
+    "notes.txt": "is no name of a map",
+    "other.json": "no map of this version",
+    "link.json": "no regular file",
+    "pipe.json": "no regular file",
+}
+for name, why in refusals.items():
+    refused = save(path=name)
+    assert not refused.success and why in refused.message, (name, refused)
+    asked = time.monotonic()
+    refused = load(path=name)
+    assert not refused.success and time.monotonic() - asked < 5, (name, refused)
+assert sorted(os.listdir(FOLDER)) == before, os.listdir(FOLDER)
+with open(f"{FOLDER}/other.json") as file:
+    assert file.read() == "mine"
 
 everything = query()
 assert everything.success and everything.header.frame_id == "map", everything
@@ -40,10 +72,10 @@ region = query(in_region=True, region_min=Point(*(v - 0.01 for v in there)), reg
 assert objects[-1]["id"] in region.ids and len(region.ids) < len(objects), region
 assert query(in_view=True).success
 
-missing = load(path=f"{sys.argv[1]}.no")
+missing = load(path="missing.json")
 assert not missing.success and missing.objects == 0 and missing.message, missing
 assert list(query().ids) == list(everything.ids)
-loaded = load(path=sys.argv[1])
+loaded = load(path=NAME)
 assert loaded.success and loaded.objects == len(objects), loaded
 # Until the place is recognised nothing is in the loaded map's frame.
 assert not list(query().ids)

@@ -110,6 +110,20 @@ assert "between" in results[1].reason and "start" in results[2].reason and "sync
 got = call(GetParameters, f"{NODE}/get_parameters", names=["sync.slop_s"]).values
 assert got[0].double_value == 0.03, got
 
+# What would end a node is refused, and the node goes on.
+def numbers(name, values):
+    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE_ARRAY, double_array_value=values)
+    return Parameter(name=name, value=value)
+
+
+size = "perception.classes.listed.tv.size_m"
+sizes = [[-0.9, 0.2, 0.6], [0.13, 0.44, 0.03], [1e300, 0.2, 0.6], [float("nan"), 0.2, 0.6], [0.9, 0.2]]
+wanted = [numbers(size, values) for values in sizes]
+wanted += [double("perception.max_boxes", -1.0), double("sync.slop_s", float("nan")), text("map.file", "/etc/passwd")]
+results = call(SetParameters, f"{NODE}/set_parameters", parameters=wanted).results
+assert not any(r.successful for r in results) and all(r.reason for r in results), results
+assert results[0].reason.startswith(size) or size in results[0].reason, results[0]
+
 # Services of std_srvs.
 paused = call(SetBool, f"{NODE}/pause", data=True)
 assert paused.success, paused

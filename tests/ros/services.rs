@@ -7,12 +7,14 @@ const PLAY: [&str; 6] = ["play", BAG, "--rate", "2", "--wait", "60"];
 #[test]
 fn cyclone_dds_looks_objects_up_and_saves_and_loads_the_map() {
     let stage = Stage::new();
-    let node = stage.node(&BAG_TOPICS);
+    let maps = format!("map.directory:={}", stage.path(""));
+    let mut node = stage.node(&[&BAG_TOPICS[..], &["-p", &maps]].concat());
     node.wait_for("runs in domain");
     succeeded(&stage.program(&PLAY).output().unwrap(), &node);
     let map = stage.path("map.json");
     let peer = stage.peer("cyclone_services.py", &[&map]).output().unwrap();
     succeeded(&peer, &node);
+    assert!(node.stop("TERM").success(), "{}", node.log());
 
     // Another node begins with this map, and does not begin with what is none.
     let file = format!("map.file:={map}");
@@ -27,7 +29,8 @@ fn cyclone_dds_looks_objects_up_and_saves_and_loads_the_map() {
 #[test]
 fn a_running_node_loads_a_map_and_finds_its_place_in_it() {
     let stage = Stage::new();
-    let node = stage.node(&BAG_TOPICS);
+    let maps = format!("map.directory:={}", stage.path("first"));
+    let node = stage.node(&[&BAG_TOPICS[..], &["-p", &maps]].concat());
     let first = visit(&stage, "first.mcap", "16", &[]);
     let second = visit(&stage, "second.mcap", "24", &SWITCHED_ON_ELSEWHERE);
     let replayed = stage.path("first");

@@ -118,7 +118,7 @@ diagnostics.wait(lambda a: any(values(s).get("paused") == "true" for s in a.stat
 assert call(SetBool, "pause", data=False).success
 
 # No package here knows the hash of our own types.
-text = map_file.encode() + b"\0"
+text = os.path.basename(map_file).encode() + b"\0"
 where = key(f"{NODE}/save_map", (NODE, "srv", "SaveMap"), hashed=False)
 request = struct.pack("<4xI", len(text)) + text
 saved = ask(where, b"\0\1" + request[2:], zenoh.QueryTarget.ALL)

@@ -75,6 +75,13 @@ pub enum NotRelocalised {
         /// What is needed at least.
         needed: usize,
     },
+    /// The map has fewer objects than a place can be recognised by.
+    TooSmallMap {
+        /// Objects of the map.
+        known: usize,
+        /// What is needed at least.
+        needed: usize,
+    },
     /// No place explains what was seen much better than chance.
     NoMatch {
         /// Objects that fit the best place.
@@ -102,6 +109,10 @@ impl fmt::Display for NotRelocalised {
                     "{seen} objects were seen, at least {needed} are needed to recognise a place"
                 )
             }
+            Self::TooSmallMap { known, needed } => write!(
+                f,
+                "the map has {known} objects, at least {needed} are needed to recognise a place"
+            ),
             Self::NoMatch { matched, seen } => write!(
                 f,
                 "no place in the map explains the {seen} objects that were seen; the best explains {matched}"
@@ -171,12 +182,14 @@ impl Constellation {
         seen: &[Landmark],
         expected: Option<&ExpectedPlace>,
     ) -> Result<Relocalised, NotRelocalised> {
+        let known = self.bodies.len();
+        if known < MIN_OBJECTS {
+            return Err(NotRelocalised::TooSmallMap { known, needed: MIN_OBJECTS });
+        }
         if seen.len() < MIN_OBJECTS {
             return Err(NotRelocalised::TooFewObjects { seen: seen.len(), needed: MIN_OBJECTS });
         }
-        let bodies: Vec<Body> = seen.iter().map(|l| Body::new(l, &self.settings)).collect();
-        let candidates: Vec<Candidates> =
-            seen.iter().zip(&bodies).map(|(l, body)| self.candidates(l, body)).collect();
+        let (bodies, candidates) = self.compared(seen);
         let proposed = proposals(&bodies, self, &candidates);
         let mut places: Vec<Place> = Vec::new();
         let hint = expected.map(|e| Placement::of_pose(&e.pose));
@@ -192,6 +205,30 @@ impl Constellation {
         }
         places.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         self.decide(&places, &bodies, proposed.complete_above)
+    }
+
+    /// The most probable place near an expected one, believed whatever speaks for others: who says where the robot is has
+    /// the last word.
+    pub fn place_near(&self, seen: &[Landmark], expected: &ExpectedPlace) -> Option<Relocalised> {
+        let (bodies, candidates) = self.compared(seen);
+        let start = Placement::of_pose(&expected.pose);
+        let place = Place::refined(&start, &bodies, self, &candidates, Some(expected))?;
+        let against = (self.odds_of_elsewhere() - place.evidence).exp();
+        Some(place.relocalised(against / (1.0 + against)))
+    }
+
+    /// What is seen, ready to be compared, and what of the map each may be.
+    fn compared(&self, seen: &[Landmark]) -> (Vec<Body>, Vec<Candidates>) {
+        let bodies: Vec<Body> = seen.iter().map(|l| Body::new(l, &self.settings)).collect();
+        let of_each = seen.iter().zip(&bodies).map(|(l, body)| self.candidates(l, body));
+        let candidates = of_each.collect();
+        (bodies, candidates)
+    }
+
+    /// Logarithm of the odds beforehand that the robot is not in the map.
+    fn odds_of_elsewhere(&self) -> f64 {
+        let elsewhere = self.settings.elsewhere_probability;
+        (elsewhere / (1.0 - elsewhere)).ln()
     }
 
     /// Objects of the map that have a label in common with a seen one, and a size that could be the same.
@@ -221,8 +258,7 @@ impl Constellation {
         complete_above: usize,
     ) -> Result<Relocalised, NotRelocalised> {
         let seen = bodies.len();
-        let elsewhere = self.settings.elsewhere_probability;
-        let none = (elsewhere / (1.0 - elsewhere)).ln();
+        let none = self.odds_of_elsewhere();
         let Some(best) = places.first() else {
             return Err(NotRelocalised::NoMatch { matched: 0, seen });
         };
@@ -254,12 +290,7 @@ impl Constellation {
             }
             // Places that nobody has looked at may explain as much.
             None if matched < complete_above + 1 => Err(NotRelocalised::NoMatch { matched, seen }),
-            None => Ok(Relocalised {
-                map_from_seen: best.placement.pose(),
-                covariance: best.covariance,
-                matches: best.matches.iter().map(|m| (m.seen, m.known)).collect(),
-                false_probability,
-            }),
+            None => Ok(best.relocalised(false_probability)),
         }
     }
 }

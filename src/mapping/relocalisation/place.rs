@@ -1,7 +1,7 @@
 //! A place in full: who is who, the best pose, and how probable it all is.
 
 use super::{
-    Constellation, ExpectedPlace,
+    Constellation, ExpectedPlace, Relocalised,
     hypotheses::Candidates,
     landmark::{Body, Comparison, Placement, wrapped},
 };
@@ -96,6 +96,16 @@ impl Place {
             apart < MAX_SIGMAS * MAX_SIGMAS * variance
         };
         self.matches.iter().filter(fits).count() + 2 >= count
+    }
+
+    /// The place as it is reported.
+    pub(super) fn relocalised(&self, false_probability: f64) -> Relocalised {
+        Relocalised {
+            map_from_seen: self.placement.pose(),
+            covariance: self.covariance,
+            matches: self.matches.iter().map(|m| (m.seen, m.known)).collect(),
+            false_probability,
+        }
     }
 
     /// How much the single object that speaks most for this place says.

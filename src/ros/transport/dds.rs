@@ -38,6 +38,9 @@ pub(super) type Server<S> =
 /// request it answers (a stray byte before the inline QoS of `DATA_FRAG`), so answers must fit into one datagram.
 pub(super) const LARGEST_ANSWER: usize = 1100;
 
+/// From the discovery of a client's requests to that of its reader of answers, about.
+const DISCOVERY: Duration = Duration::from_millis(150);
+
 /// A node. Fields are dropped in this order: the node goes before the context, or others would believe it to be alive.
 pub(in crate::ros) struct Node {
     node: dds::Node,
@@ -193,6 +196,10 @@ pub(super) async fn answer<S: Service>(
     id: RequestId,
     response: S::Response,
 ) -> Result<(), String> {
+    // Who has just come may not have been discovered as a reader of answers yet: the first one would be lost.
+    if id.sequence_number <= 1 {
+        tokio::time::sleep(DISCOVERY).await;
+    }
     server.async_send_response(id, Wire(response)).await.map_err(|e| e.to_string())
 }
 

@@ -10,6 +10,7 @@ mod glimpses;
 mod life;
 mod loop_closing;
 mod merging;
+mod moving;
 mod pushes;
 mod queries;
 mod relocalisation;
@@ -41,6 +42,7 @@ pub(crate) fn observation(
         track: None,
         labels: vec![(label.into(), 0.9)],
         outline: Outline::Cuboid,
+        moves: false,
         rect: None,
         sides: ObservedBox { base_from_camera: Pose::identity(), sides: [None; 4] },
         measured: Some(Measured {

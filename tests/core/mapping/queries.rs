@@ -4,7 +4,7 @@ use super::{independent, map_of, observation};
 use crate::geometry::upright_pose;
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Ellipsoid, OrientedBox, Outline, Pose},
-    mapping::{ObjectId, ObjectMap, Observation, Region},
+    mapping::{ObjectId, ObjectMap, Observation, Queries, Region},
 };
 use nalgebra::{Point2, Point3, UnitQuaternion, Vector3};
 

@@ -221,7 +221,7 @@ fn two_objects_are_too_few() {
     let why = located(&map, &map[..2]).unwrap_err();
     assert_eq!(why, NotRelocalised::TooFewObjects { seen: 2, needed: 3 });
     let none = located(&[], &map[..6]).unwrap_err();
-    assert_eq!(none, NotRelocalised::NoMatch { matched: 0, seen: 6 });
+    assert_eq!(none, NotRelocalised::TooSmallMap { known: 0, needed: 3 });
 }
 
 #[test]

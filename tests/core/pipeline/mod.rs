@@ -9,6 +9,7 @@ mod missing;
 mod moved_chair;
 mod odometry_jumps;
 mod pairing;
+mod pictures;
 mod poses;
 mod random_orders;
 mod replay;

@@ -1,8 +1,8 @@
-//! Odometry whose frame jumps: the base driver was restarted, or corrected itself.
+//! Odometry whose frame jumps, since the base driver was restarted or corrected itself, and readings that cannot be.
 
 use super::{Run, at, boxes, depth, millis, odometry_at};
 use crate::geometry::pose_distance;
-use ellipsoid_slam::geometry::Pose;
+use ellipsoid_slam::{geometry::Pose, pipeline::Input};
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
@@ -57,4 +57,47 @@ fn a_fast_robot_and_seldom_readings_are_no_jumps() {
     run.feed([odometry_at(9000, Pose::translation(40.0, 0.0, 0.0))]);
     run.finish();
     assert_eq!(run.dropped(), []);
+}
+
+/// How far off the worst pose of a drive of half a metre a second is (m), whose readings are replaced by others.
+fn worst(replaced: impl Fn(i64, Input) -> Vec<Input>) -> (f64, Vec<&'static str>) {
+    let mut run = Run::ready();
+    for ms in (0..4000).step_by(20) {
+        let ahead = 0.5 * ms as f64 / 1000.0;
+        run.feed(replaced(ms, odometry_at(ms, Pose::translation(ahead, 0.0, 0.0))));
+        if ms % 200 == 100 {
+            run.feed([depth(ms), boxes(ms)]);
+        }
+    }
+    run.finish();
+    assert_eq!(run.total.poses.len(), 20);
+    let off = run.total.poses.iter().map(|pose| {
+        let ahead = 0.5 * millis(pose.stamp) as f64 / 1000.0;
+        (pose.map_from_base.translation.vector - Vector3::x() * ahead).norm()
+    });
+    (off.fold(0.0, f64::max), run.dropped().into_iter().map(|(_, why)| why).collect())
+}
+
+#[test]
+fn readings_that_cannot_be_leave_the_way_as_it_is() {
+    let (off, said) = worst(|ms, reading| {
+        let far = odometry_at(ms, Pose::translation(1e9, 0.0, 0.0));
+        if ms == 2000 { vec![far] } else { vec![reading] }
+    });
+    // There and back again.
+    assert_eq!(said, ["odometry_jump", "odometry_jump"]);
+    assert!(off < 0.025, "{off} m after one reading of 1e9 m");
+
+    let (off, said) = worst(|_, reading| vec![reading.clone(), reading]);
+    assert_eq!(said, Vec::<&str>::new());
+    assert!(off < 1e-9, "{off} m with every reading twice");
+
+    let (off, _) = worst(|_, reading| {
+        let Input::Odometry(mut reading) = reading else { return vec![reading] };
+        let mut negative = [0.0; 36];
+        negative.iter_mut().step_by(7).for_each(|variance| *variance = -1.0);
+        reading.covariance = Some(Box::new(negative));
+        vec![Input::Odometry(reading)]
+    });
+    assert!(off < 1e-6, "{off} m with variances of -1");
 }
