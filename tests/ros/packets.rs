@@ -17,7 +17,8 @@ const PACKETS_PER_MS: u64 = 12;
 #[test]
 fn packets_that_claim_much_and_random_ones_leave_the_node_and_its_objects_as_they_are() {
     let stage = Stage::new();
-    let node = stage.node(&BAG_TOPICS);
+    let maps = format!("map.directory:={}", stage.path(""));
+    let node = stage.node(&[&BAG_TOPICS[..], &["-p", &maps]].concat());
     node.wait_for("runs in domain");
     succeeded(
         &stage.program(&["play", BAG, "--rate", "4", "--wait", "60"]).output().unwrap(),
