@@ -18,7 +18,10 @@ impl Stamp {
     ///
     /// Numbers beyond what 64 bits of nanoseconds hold saturate.
     pub fn from_secs(secs: f64) -> Self {
-        Self((secs * 1e9).round() as i64)
+        // By parts: a product would be wrong by a hundred nanoseconds, and a file that is read and written drift.
+        let whole = secs.floor();
+        let nanos = ((secs - whole) * 1e9).round() as i64;
+        Self((whole as i64).saturating_mul(NANOS).saturating_add(nanos))
     }
 
     /// Nanoseconds since the epoch.
@@ -28,7 +31,7 @@ impl Stamp {
 
     /// Seconds since the epoch; good to about 0.2 microseconds for present-day stamps.
     pub fn as_secs(self) -> f64 {
-        self.0 as f64 * 1e-9
+        self.0.div_euclid(NANOS) as f64 + self.0.rem_euclid(NANOS) as f64 / NANOS as f64
     }
 
     /// `self - earlier` in seconds, exact to the nanosecond for spans of hours.
@@ -50,3 +53,6 @@ impl fmt::Display for Stamp {
         write!(f, "{sign}{}.{:09}", nanos / 1_000_000_000, nanos % 1_000_000_000)
     }
 }
+
+/// A second.
+const NANOS: i64 = 1_000_000_000;

@@ -36,6 +36,12 @@ proptest! {
         prop_assert_eq!(digits, i128::from(nanos));
     }
 
+    #[test]
+    fn seconds_are_the_same_however_often_they_are_read_and_written(nanos in 0..i64::MAX) {
+        let once = Stamp::from_nanos(nanos).as_secs();
+        prop_assert_eq!(Stamp::from_secs(once).as_secs(), once);
+    }
+
     /// A microsecond: a present-day stamp in seconds has 0.24 microseconds between neighbouring numbers.
     #[test]
     fn seconds_hold_a_stamp_to_a_microsecond(nanos in 0_i64..4_000_000_000_000_000_000) {
