@@ -3,10 +3,10 @@
 use ellipsoid_slam::{
     config::PublishSettings,
     geometry::{Camera, Distortion, Ellipsoid, Outline, Pose},
-    io::BagWriter,
+    io::{BagInput, BagWriter},
     mapping::{MappingSettings, ObjectId, ObjectMap, SlamSettings},
     msg::{
-        convert::{deletion_markers, outlined, pose_covariance},
+        convert::{ObjectShapes, deletion_markers, object_markers, outlined, pose_covariance},
         ellipsoid_slam::{ObjectArray, QueryObjectsRequest},
         std_msgs::ColorRGBA,
         visualization_msgs::Marker,
@@ -82,6 +82,44 @@ fn all_that_is_shown_of_an_object_is_deleted() {
     assert!(markers.iter().all(|m| m.action == Marker::DELETE && m.id == 7));
     let spaces: Vec<&str> = markers.iter().map(|m| m.ns.as_str()).collect();
     assert_eq!(spaces, ["objects", "labels", "cuboids"]);
+}
+
+#[test]
+fn names_of_what_stands_on_a_desk_can_be_read_from_all_sides() {
+    let bag = BagInput::open(Path::new("bags/desk.mcap"), &[]).unwrap();
+    let mut slam = ObjectSlam::new(Settings::default());
+    bag.inputs().for_each(|input| drop(slam.handle(input, &mut ())));
+    slam.finish(&mut ());
+    let shapes = ObjectShapes::default();
+    let all = object_markers(slam.objects(), shapes, Stamp::from_secs(1.0), "map").markers;
+    let names: Vec<&Marker> = all.iter().filter(|m| m.ns == "labels").collect();
+    assert!(names.len() >= 8);
+    for (name, object) in names.iter().zip(slam.objects()) {
+        let body = object.ellipsoid();
+        let above = name.pose.position.z - body.center().z - body.semi_axes.z;
+        assert!((0.0..1.0).contains(&above), "{} is {above} m above its object", name.text);
+    }
+    // As the camera of config/ellipsoid_slam.rviz looks, which can be turned.
+    let (sine, cosine) = 0.5_f64.sin_cos();
+    let (mut pairs, mut covered) = (0, 0);
+    for side in 0..72 {
+        let (s, c) = (f64::from(side) * std::f64::consts::TAU / 72.0).sin_cos();
+        let seen = |m: &Marker| {
+            let p = &m.pose.position;
+            (c * p.y - s * p.x, cosine * p.z + sine * (c * p.x + s * p.y))
+        };
+        for (at, a) in names.iter().enumerate() {
+            for b in &names[at + 1..] {
+                let ((ax, ay), (bx, by)) = (seen(a), seen(b));
+                let letters = (a.text.len() + b.text.len()) as f64;
+                let covers = (ax - bx).abs() < 0.45 * 0.5 * letters * a.scale.z
+                    && (ay - by).abs() < 0.8 * a.scale.z;
+                (pairs, covered) = (pairs + 1, covered + usize::from(covers));
+            }
+        }
+    }
+    println!("{covered} of {pairs} pairs of names cover each other");
+    assert!(100 * covered < pairs, "{covered} of {pairs}");
 }
 
 #[test]

@@ -15,6 +15,7 @@ use crate::{
     time::Stamp,
 };
 use nalgebra::{Point3, Translation3, UnitQuaternion};
+use std::f64::consts::PI;
 
 /// How objects are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,23 +78,33 @@ struct Name {
 }
 
 impl Name {
-    /// Above a body, and above other texts that it would cover from where one usually looks.
+    /// Above a body, as low as it covers no other text or, where many things stand close, the fewest.
     fn above(body: &Ellipsoid, text: &str, others: &[Name]) -> Self {
         let half_width_m = 0.5 * LETTER_WIDTH * TEXT_HEIGHT_M * text.chars().count() as f64;
-        let mut at = body.center();
-        at.z += body.semi_axes.z + 0.6 * TEXT_HEIGHT_M;
-        let covers = |at: &Point3<f64>, other: &&Name| {
-            // From any side two texts cover each other by their widths, seen along the line between them by nothing.
-            let apart = (other.at.xy() - at.xy()).norm();
-            apart < half_width_m.max(other.half_width_m)
-                && (other.at.z - at.z).abs() < 0.99 * TEXT_HEIGHT_M
+        let center = body.center();
+        let lowest_m = center.z + body.semi_axes.z + 0.6 * TEXT_HEIGHT_M;
+        let raised = |steps: usize| {
+            let height_m = lowest_m + 0.5 * TEXT_HEIGHT_M * steps as f64;
+            Self { at: Point3::new(center.x, center.y, height_m), half_width_m }
         };
-        // Each turn is above one text more.
-        for _ in 0..others.len().min(MAX_STACKED) {
-            let Some(other) = others.iter().find(|other| covers(&at, other)) else { break };
-            at.z = other.at.z + TEXT_HEIGHT_M;
-        }
-        Self { at, half_width_m }
+        let covered = |steps: &usize| {
+            let name = raised(*steps);
+            others.iter().filter(|other| name.covers(other)).count()
+        };
+        raised((0..=MOST_STEPS).min_by_key(covered).unwrap_or(0))
+    }
+
+    /// Whether one of two texts covers the other from some side, for somebody who looks down at them as usual.
+    fn covers(&self, other: &Self) -> bool {
+        let apart_m = (other.at.xy() - self.at.xy()).norm();
+        let higher_m = (other.at.z - self.at.z).abs();
+        let (sine, cosine) = LOOKS_DOWN_RAD.sin_cos();
+        (0..=SIDES).any(|side| {
+            // Half a turn about the line between them: the other half is the same.
+            let (across, along) = (PI * side as f64 / SIDES as f64).sin_cos();
+            (apart_m * across).abs() < self.half_width_m + other.half_width_m
+                && (apart_m * along * sine - higher_m * cosine).abs() < TEXT_HEIGHT_M
+        })
     }
 }
 
@@ -244,11 +255,15 @@ const COLORS: [[u8; 3]; 14] = [
     [204, 121, 167],
 ];
 
-const TEXT_HEIGHT_M: f64 = 0.1;
+const TEXT_HEIGHT_M: f64 = 0.08;
 /// Width of a letter beside its height.
 const LETTER_WIDTH: f64 = 0.55;
-/// Texts on top of each other, at most.
-const MAX_STACKED: usize = 12;
+/// How far down one usually looks at a map (rad).
+const LOOKS_DOWN_RAD: f64 = 0.5;
+/// Half text heights that a text is raised, at most: farther from its object it is of no use.
+const MOST_STEPS: usize = 20;
+/// From so many sides it is asked whether a text covers another one.
+const SIDES: usize = 24;
 /// How thick a plane is drawn (m).
 const SHEET_M: f64 = 0.005;
 /// How high walls are drawn (m).
