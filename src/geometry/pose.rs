@@ -11,10 +11,16 @@ pub type Pose = Isometry3<f64>;
 /// quaternion is farther from unit length than few digits explain.
 pub fn pose_from_xyzw(position: [f64; 3], [x, y, z, w]: [f64; 4]) -> Option<Pose> {
     const TOLERANCE: f64 = 0.01;
+    const ROUNDING: f64 = 1e-12;
     let quaternion = Quaternion::new(w, x, y, z);
-    let is_unit = (quaternion.norm() - 1.0).abs() < TOLERANCE;
-    (is_unit && position.iter().all(|p| p.is_finite())).then(|| {
-        let rotation = UnitQuaternion::from_quaternion(quaternion);
+    let off = (quaternion.norm() - 1.0).abs();
+    (off < TOLERANCE && position.iter().all(|p| p.is_finite())).then(|| {
+        // What has unit length stays as it is: a file that is read and written would change in its last digits.
+        let rotation = if off < ROUNDING {
+            UnitQuaternion::new_unchecked(quaternion)
+        } else {
+            UnitQuaternion::from_quaternion(quaternion)
+        };
         Pose::from_parts(Translation3::from(position), rotation)
     })
 }
