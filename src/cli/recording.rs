@@ -45,6 +45,13 @@ pub(super) struct Names {
     is_yolo: bool,
 }
 
+impl Names {
+    /// With boxes that may have masks.
+    pub(super) fn with_masks(self) -> Self {
+        Self { is_yolo: true, ..self }
+    }
+}
+
 impl Default for Names {
     fn default() -> Self {
         Self {
@@ -94,6 +101,8 @@ impl From<RobotKind> for Names {
 pub(super) struct Recording {
     bag: BagWriter,
     names: Names,
+    /// Width and height of the images in which the boxes are.
+    image_size: (u32, u32),
 }
 
 /// Where the true objects of a bag are written: `STEM.gt.json` beside it.
@@ -122,7 +131,7 @@ pub(super) fn write_truth(bag: &Path, truth: &GroundTruth) -> anyhow::Result<()>
 impl Recording {
     /// A new bag; an existing file stays until this one is finished.
     pub(super) fn create(path: &Path, names: Names) -> Result<Self, BagError> {
-        Ok(Self { bag: BagWriter::create(path)?, names })
+        Ok(Self { bag: BagWriter::create(path)?, names, image_size: (0, 0) })
     }
 
     /// Completes the bag and gives it its name.
@@ -186,11 +195,19 @@ impl Recording {
         camera: &Camera,
     ) -> Result<(), BagError> {
         let topic = match role {
-            CameraRole::Color => self.names.camera_info,
+            CameraRole::Color => {
+                self.image_size = (camera.width(), camera.height());
+                self.names.camera_info
+            }
             CameraRole::Depth => self.names.depth_camera_info,
         };
         let (frame_id, camera) = (self.names.camera_frame.into(), camera.clone());
         self.bag.write(topic, &camera_info(&CameraMessage { role, stamp, frame_id, camera }), stamp)
+    }
+
+    /// Width of the images in which the boxes are, once their calibration was written.
+    pub(super) fn image_width(&self) -> u32 {
+        self.image_size.0
     }
 
     /// A colour image in a file format, which is `jpeg` or `png`.
@@ -247,7 +264,8 @@ impl Recording {
     ) -> Result<(), BagError> {
         let mut boxes = detection_array(message);
         if self.names.is_yolo {
-            self.bag.write(self.names.detections, &yolo_detection_array(message), arrival)?;
+            let boxes = yolo_detection_array(message, self.image_size);
+            self.bag.write(self.names.detections, &boxes, arrival)?;
         } else {
             self.bag.write(self.names.detections, &boxes, arrival)?;
         }

@@ -13,9 +13,11 @@ use crate::{
     geometry::interpolate,
     io::{trajectory_text, write_atomically},
     msg::convert::{RgbImage, jpeg},
-    perception::{DepthImage, Detection},
+    perception::{DepthImage, Detection, DetectionError, Mask},
     pipeline::{CameraRole, DepthMessage, DetectionsMessage, OdometryMessage, StampedTransform},
-    sim::{GroundTruth, OdometryReading, RobotKind, SimulatedFrame, Simulation},
+    sim::{
+        GroundTruth, OdometryReading, RobotKind, SimulatedDetection, SimulatedFrame, Simulation,
+    },
     time::Stamp,
 };
 use anyhow::Context;
@@ -78,6 +80,9 @@ struct Images {
     /// Write no colour images; nothing but a viewer needs them.
     #[arg(long)]
     no_color: bool,
+    /// Write boxes as yolo_msgs, each with the exact mask of what it shows.
+    #[arg(long)]
+    masks: bool,
     /// Quality of the colour images.
     #[arg(long, value_name = "PERCENT", default_value_t = 90, value_parser = clap::value_parser!(u8).range(1..=100))]
     jpeg_quality: u8,
@@ -94,6 +99,7 @@ pub(super) fn run(args: &Args) -> Outcome {
     let poses_path = output.with_extension("gt.tum");
     refuse_existing(&[output, &truth_path(output), &poses_path], args.force)?;
     let names = args.robot.map_or_else(Names::default, |robot| RobotKind::from(robot).into());
+    let names = if args.images.masks { names.with_masks() } else { names };
     let mut bag = Recording::create(output, names)?;
     let written = write(&mut bag, &simulation, (&args.images, names.camera_frame))?;
     bag.finish()?;
@@ -218,7 +224,9 @@ fn write_images(
     let image = DepthImage::new(depth_camera.width(), depth_camera.height(), depth_m)?;
     let depth = DepthMessage { stamp: frame.stamp, frame_id: camera_frame.into(), image };
     bag.depth(&depth, images.raw)?;
-    frame.instances.clear();
+    if !images.masks {
+        frame.instances.clear();
+    }
     Ok(frame)
 }
 
@@ -230,20 +238,33 @@ fn write_due_boxes(
 ) -> anyhow::Result<()> {
     late.sort_by_key(|frame| frame.detections_arrive);
     let due = late.partition_point(|frame| frame.detections_arrive <= now);
+    let width = bag.image_width();
     for frame in late.drain(..due) {
         let detections = frame.detections.iter().map(|d| {
             let hypotheses = d.hypotheses.iter().map(|(label, p)| ((*label).to_owned(), *p));
-            Detection::new(d.rect, hypotheses.collect())
+            let mut detection = Detection::new(d.rect, hypotheses.collect())?;
+            detection.mask = mask(&frame.instances, width, d);
+            Ok(detection)
         });
         let message = DetectionsMessage {
             stamp: frame.stamp,
             frame_id: camera_frame.into(),
-            detections: detections.collect::<Result<_, _>>()?,
+            detections: detections.collect::<Result<_, DetectionError>>()?,
         };
         let ids = frame.detections.iter().map(|d| d.object.map_or(-1, i64::from).to_string());
         bag.detections(&message, ids, frame.detections_arrive)?;
     }
     Ok(())
+}
+
+/// What a box shows, if it is known who is at each pixel of the image.
+fn mask(instances: &[u16], width: u32, found: &SimulatedDetection) -> Option<Mask> {
+    let (object, width) = (found.object?, i64::from(width));
+    let is_object = |u: i64, v: i64| {
+        let at = usize::try_from(v * width + u).ok().filter(|_| (0..width).contains(&u));
+        at.and_then(|at| instances.get(at)).is_some_and(|id| u32::from(*id) == object)
+    };
+    Mask::from_pixels(&found.rect, is_object).ok()
 }
 
 /// The true objects as files and metrics have them.

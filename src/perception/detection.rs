@@ -1,5 +1,6 @@
 //! A detector's 2D box.
 
+use super::Mask;
 use crate::geometry::Rect;
 use thiserror::Error;
 
@@ -10,6 +11,8 @@ pub struct Detection {
     pub rect: Rect,
     /// Identity of what it shows, where a tracker or a simulator gives one; a plain detector does not.
     pub track: Option<u64>,
+    /// Which pixels of the box are the object, where the detector says it.
+    pub mask: Option<Mask>,
     /// Class names with probabilities in (0, 1], most probable first; never empty.
     hypotheses: Vec<(String, f64)>,
 }
@@ -26,7 +29,7 @@ pub enum DetectionError {
 }
 
 impl Detection {
-    /// A detection from its box and its class hypotheses in any order, without an identity.
+    /// A detection from its box and its class hypotheses in any order, without an identity and a mask.
     ///
     /// # Errors
     /// When no hypothesis has a name and a probability in (0, 1].
@@ -37,7 +40,7 @@ impl Detection {
         if hypotheses.is_empty() {
             return Err(DetectionError::NoClass);
         }
-        Ok(Self { rect, track: None, hypotheses })
+        Ok(Self { rect, track: None, mask: None, hypotheses })
     }
 
     /// Keeps the most probable names; how many it had besides.

@@ -11,6 +11,7 @@ use super::{
     fit::{fit_ellipsoid, fit_probability},
     footprint::{Heading, heading_of_faces, heading_of_rectangle},
     glimpse::glimpse,
+    masks::Masks,
     segmentation::{Segment, SegmentationSettings, SurfacePoint, segment},
     stage::{Stage, StageObserver},
     symmetry::refine_symmetry,
@@ -99,18 +100,20 @@ pub fn estimate_frame(
     let walls_in_level: Vec<WallSegment> =
         walls.iter().map(|wall| wall.transformed(&level_from_camera)).collect();
     let scenery = Scenery { planes: &planes, walls: &walls_in_level };
-    let everything = |_: &SurfacePoint| false;
+    let masks = Masks::new(frame, detections);
     let mut estimates: Vec<_> = detections
         .iter()
-        .map(|detection| {
-            estimate_object(frame, scenery, detection, settings, &everything, observer)
+        .enumerate()
+        .map(|(at, detection)| {
+            let are_others = |p: &SurfacePoint| masks.forbid(at, p);
+            estimate_object(frame, scenery, detection, settings, &are_others, observer)
         })
         .collect();
     let boxes = detections.iter().zip(&estimates);
     let claims =
         Claims::new(frame, boxes.map(|(d, e)| (d.rect, e.as_ref().ok().map(|e| &e.segment))));
     for (at, detection) in detections.iter().enumerate().filter(|(at, _)| claims.contest(*at)) {
-        let are_others = |p: &SurfacePoint| claims.are_others(at, p);
+        let are_others = |p: &SurfacePoint| masks.forbid(at, p) || claims.are_others(at, p);
         estimates[at] = estimate_object(frame, scenery, detection, settings, &are_others, observer);
     }
     let seen = (scenery, detections);

@@ -21,6 +21,8 @@ mod footprint;
 mod frame;
 mod glimpse;
 mod guess;
+mod mask;
+mod masks;
 mod measurement;
 mod normal;
 mod registration;
@@ -43,6 +45,7 @@ pub use fit::{FitReport, fit_ellipsoid, fit_probability, residual, retract_uprig
 pub use floor::{Floor, find_floor};
 pub use frame::{DepthNoise, Frame, Rays, Sight};
 pub use glimpse::{Glimpse, UsualSize};
+pub use mask::{Mask, MaskError};
 pub use measurement::{EllipsoidMeasurement, Probability, Refused};
 pub use registration::register_depth;
 pub use segmentation::SegmentationSettings;

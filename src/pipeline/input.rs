@@ -2,7 +2,7 @@
 
 use crate::{
     geometry::{Camera, Pose},
-    perception::{DepthImage, Detection},
+    perception::{DepthImage, Detection, Mask},
     time::Stamp,
 };
 
@@ -34,7 +34,9 @@ impl Input {
             Self::Detections(message) => {
                 let of_name = |(name, _): &(String, f64)| 64 + name.len();
                 let of_box = |d: &Detection| {
-                    size_of::<Detection>() + d.hypotheses().iter().map(of_name).sum::<usize>()
+                    let of_mask = d.mask.as_ref().map_or(0, Mask::bytes);
+                    let of_names = d.hypotheses().iter().map(of_name).sum::<usize>();
+                    size_of::<Detection>() + of_mask + of_names
                 };
                 message.detections.iter().map(of_box).sum()
             }

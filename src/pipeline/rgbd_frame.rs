@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     geometry::{Camera, Pose, Rect},
-    perception::{DepthError, DepthImage, Detection, DetectionError},
+    perception::{DepthError, DepthImage, Detection, DetectionError, Mask, MaskError},
     time::Stamp,
 };
 use thiserror::Error;
@@ -36,6 +36,9 @@ pub enum FrameError {
     /// A box that cannot be.
     #[error(transparent)]
     Box(#[from] DetectionError),
+    /// A mask that is not of its box.
+    #[error(transparent)]
+    Mask(#[from] MaskError),
 }
 
 impl RgbdFrame {
@@ -76,7 +79,19 @@ impl RgbdFrame {
         Ok(self)
     }
 
-    /// The same with boxes more, each with all the classes that its detector considers.
+    /// The same with the mask of the box that was added last: whether the pixel of a column and a row of the image is the object.
+    /// Without a box nothing changes.
+    ///
+    /// # Errors
+    /// When the mask has hardly anything to do with the box.
+    pub fn masked(mut self, is_inside: impl Fn(i64, i64) -> bool) -> Result<Self, FrameError> {
+        if let Some(last) = self.boxes.last_mut() {
+            last.mask = Some(Mask::from_pixels(&last.rect, is_inside)?);
+        }
+        Ok(self)
+    }
+
+    /// The same with boxes more, each with all the classes that its detector considers, and with its mask.
     #[must_use]
     pub fn with_boxes(mut self, boxes: impl IntoIterator<Item = Detection>) -> Self {
         self.boxes.extend(boxes);

@@ -1,11 +1,14 @@
 //! 2D boxes.
 
 use crate::fixtures::{detection, header};
-use ellipsoid_slam::msg::{
-    cdr, coco,
-    convert::{detection_array, detections, yolo_detections},
-    vision_msgs::{Detection2D, Detection2DArray},
-    yolo_msgs,
+use ellipsoid_slam::{
+    msg::{
+        cdr, coco,
+        convert::{detection_array, detections, yolo_detection_array, yolo_detections},
+        vision_msgs::{Detection2D, Detection2DArray},
+        yolo_msgs,
+    },
+    perception::Mask,
 };
 
 fn array(detections: Vec<Detection2D>) -> Detection2DArray {
@@ -124,4 +127,48 @@ fn boxes_of_yolo_ros_are_read_too() {
     assert_eq!(first.probability(), 0.75);
     assert_eq!((rect.x_min, rect.y_min, rect.x_max, rect.y_max), (85.0, 45.0, 115.0, 55.0));
     assert_eq!(bad.iter().map(|why| why.reason()).collect::<Vec<_>>(), ["box_outside"]);
+}
+
+/// A box of `yolo_ros` from (85, 45) to (115, 55) with a mask, and what is said of an image of 640x480.
+fn masked(height: i32, width: i32, corners: &[[f64; 2]]) -> (Option<Mask>, Vec<&'static str>) {
+    let data = corners.iter().map(|[x, y]| yolo_msgs::Point2D { x: *x, y: *y }).collect();
+    let position = yolo_msgs::Point2D { x: 100.0, y: 50.0 };
+    let found = yolo_msgs::Detection {
+        class_name: "cup".into(),
+        score: 0.75,
+        bbox: yolo_msgs::BoundingBox2D {
+            center: yolo_msgs::Pose2D { position, theta: 0.0 },
+            size: yolo_msgs::Vector2 { x: 30.0, y: 10.0 },
+        },
+        mask: yolo_msgs::Mask { height, width, data },
+        ..yolo_msgs::Detection::default()
+    };
+    let message =
+        yolo_msgs::DetectionArray { header: header(3, "camera"), detections: vec![found] };
+    let bytes = cdr::encode(&message).unwrap();
+    let (got, bad) = yolo_detections(&cdr::decode(&bytes).unwrap(), Some((640, 480)));
+    let [one] = got.detections.as_slice() else { panic!("the box stays") };
+    let sent = cdr::encode(&yolo_detection_array(&got, (640, 480))).unwrap();
+    let (again, _) = yolo_detections(&cdr::decode(&sent).unwrap(), Some((640, 480)));
+    assert_eq!(again.detections, got.detections, "what is written is read again");
+    (one.mask.clone(), bad.iter().map(|why| why.reason()).collect())
+}
+
+#[test]
+fn masks_of_yolo_ros_are_read_and_wrong_ones_leave_the_box() {
+    let corners = [[85.0, 45.0], [115.0, 45.0], [115.0, 50.0], [85.0, 50.0]];
+    let (mask, bad) = masked(480, 640, &corners);
+    let mask = mask.unwrap();
+    assert!(mask.contains(100.0, 47.0) && !mask.contains(100.0, 53.0) && bad.is_empty());
+    assert_eq!(masked(0, 0, &[]), (None, vec![]), "a network without masks");
+    let elsewhere = corners.map(|[x, y]| [x + 300.0, y]);
+    let not_finite = [[85.0, f64::NAN], [115.0, 45.0], [115.0, 50.0]];
+    for (height, width, corners) in [
+        (160, 160, &corners[..]),
+        (480, 640, &elsewhere),
+        (480, 640, &not_finite),
+        (480, 640, &corners[..2]),
+    ] {
+        assert_eq!(masked(height, width, corners), (None, vec!["bad_mask"]), "{corners:?}");
+    }
 }

@@ -12,7 +12,7 @@ use crate::{
         },
         yolo_msgs,
     },
-    perception::{Detection, DetectionError},
+    perception::{Detection, DetectionError, Mask},
     pipeline::DetectionsMessage,
 };
 
@@ -33,10 +33,11 @@ pub fn detections(
         let classes = classes.map(|h| (coco::label(&h.class_id).to_owned(), h.score)).collect();
         detection([position.x, position.y], [size_x, size_y], classes, image_size)
     });
-    collected(&message.header, boxes)
+    collected(&message.header, boxes.map(|found| Ok((found?, None))))
 }
 
-/// The same from what `yolo_ros` sends. A class without a name is named by its index in COCO.
+/// The same from what `yolo_ros` sends, with masks where there are any. A class without a name is named by its index in COCO; of a
+/// mask that cannot be used, the box stays.
 pub fn yolo_detections(
     message: &yolo_msgs::DetectionArray,
     image_size: Option<(u32, u32)>,
@@ -47,9 +48,37 @@ pub fn yolo_detections(
         let index = wire.class_id.to_string();
         let name = if wire.class_name.is_empty() { &index } else { &wire.class_name };
         let classes = vec![(coco::label(name).to_owned(), wire.score)];
-        detection([position.x, position.y], [size.x, size.y], classes, image_size)
+        let mut found = detection([position.x, position.y], [size.x, size.y], classes, image_size)?;
+        let unused = match mask(&found.rect, &wire.mask, image_size) {
+            Ok(mask) => {
+                found.mask = mask;
+                None
+            }
+            Err(why) => Some(why),
+        };
+        Ok((found, unused))
     });
     collected(&message.header, boxes)
+}
+
+/// The mask of a box; nothing where the network gives none.
+fn mask(
+    rect: &Rect,
+    wire: &yolo_msgs::Mask,
+    image_size: Option<(u32, u32)>,
+) -> Result<Option<Mask>, ConvertError> {
+    let yolo_msgs::Mask { width, height, data } = wire;
+    if data.is_empty() {
+        return Ok(None);
+    }
+    let is_of = |(columns, rows): (u32, u32)| {
+        (i64::from(*width), i64::from(*height)) == (columns.into(), rows.into())
+    };
+    if let Some(info) = image_size.filter(|size| !is_of(*size)) {
+        return Err(ConvertError::MaskSize { got: (*width, *height), info });
+    }
+    let corners: Vec<[f64; 2]> = data.iter().map(|corner| [corner.x, corner.y]).collect();
+    Ok(Some(Mask::from_outline(rect, &corners)?))
 }
 
 /// Boxes as the wire knows them.
@@ -64,8 +93,16 @@ pub fn detection_array(message: &DetectionsMessage) -> Detection2DArray {
     Detection2DArray { detections: detections.collect(), header: header.clone() }
 }
 
-/// The same as `yolo_ros` sends it: the most probable class alone.
-pub fn yolo_detection_array(message: &DetectionsMessage) -> yolo_msgs::DetectionArray {
+/// The same as `yolo_ros` sends it: the most probable class alone, and masks in images of a size.
+pub fn yolo_detection_array(
+    message: &DetectionsMessage,
+    image_size: (u32, u32),
+) -> yolo_msgs::DetectionArray {
+    let of_size = |mask: &Mask| {
+        let data = mask.outline().into_iter().map(|[x, y]| yolo_msgs::Point2D { x, y });
+        let (width, height) = image_size;
+        yolo_msgs::Mask { height: height as i32, width: width as i32, data: data.collect() }
+    };
     let detections = message.detections.iter().map(|detection| {
         let (x, y) = detection.rect.center();
         let position = yolo_msgs::Point2D { x, y };
@@ -77,6 +114,7 @@ pub fn yolo_detection_array(message: &DetectionsMessage) -> yolo_msgs::Detection
                 center: yolo_msgs::Pose2D { position, theta: 0.0 },
                 size,
             },
+            mask: detection.mask.as_ref().map_or_else(Default::default, of_size),
             ..yolo_msgs::Detection::default()
         }
     });
@@ -86,12 +124,15 @@ pub fn yolo_detection_array(message: &DetectionsMessage) -> yolo_msgs::Detection
 
 fn collected(
     header: &Header,
-    boxes: impl Iterator<Item = Result<Detection, ConvertError>>,
+    boxes: impl Iterator<Item = Result<(Detection, Option<ConvertError>), ConvertError>>,
 ) -> (DetectionsMessage, Vec<ConvertError>) {
     let (mut detections, mut bad) = (Vec::new(), Vec::new());
     for detection in boxes {
         match detection {
-            Ok(detection) => detections.push(detection),
+            Ok((detection, less)) => {
+                detections.push(detection);
+                bad.extend(less);
+            }
             Err(why) => bad.push(why),
         }
     }

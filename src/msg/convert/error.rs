@@ -3,7 +3,7 @@
 use crate::{
     geometry::CameraError,
     msg::cdr::CdrError,
-    perception::{DepthError, DetectionError},
+    perception::{DepthError, DetectionError, MaskError},
 };
 use thiserror::Error;
 
@@ -97,6 +97,20 @@ pub enum ConvertError {
     /// A box or its classes make no sense.
     #[error("a detection is not usable: {0}")]
     Detection(#[from] DetectionError),
+    /// A mask that is none, or of another box.
+    #[error("a detection's mask is not used, its box is: {0}")]
+    Mask(#[from] MaskError),
+    /// A mask of an image of another size than the boxes.
+    #[error(
+        "a detection's mask is not used, its box is: it is of an image of {}x{}, the camera info says {}x{}",
+        got.0, got.1, info.0, info.1
+    )]
+    MaskSize {
+        /// Columns and rows that the mask says.
+        got: (i32, i32),
+        /// What the calibration says.
+        info: (u32, u32),
+    },
     /// The detector could not look at an image.
     #[error("the detector failed: {0}")]
     Detector(String),
@@ -127,6 +141,7 @@ impl ConvertError {
             Self::BadPose { .. } => "bad_pose",
             Self::Detection(DetectionError::BadBox) => "bad_box",
             Self::Detection(DetectionError::NoClass) => "no_class",
+            Self::Mask(_) | Self::MaskSize { .. } => "bad_mask",
             Self::Detector(_) => "detector_failed",
             Self::BoxOutside { .. } => "box_outside",
         }

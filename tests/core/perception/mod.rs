@@ -6,6 +6,7 @@ mod ends;
 mod fit;
 mod glimpses;
 mod limits;
+mod masks;
 mod parts;
 mod refusals;
 mod registration;

@@ -2,7 +2,7 @@
 
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Pose},
-    perception::{DepthError, DetectionError},
+    perception::{DepthError, DetectionError, MaskError},
     pipeline::{FrameError, ObjectSlam, RgbdFrame, Settings},
     time::Stamp,
 };
@@ -32,6 +32,9 @@ fn arrays_that_are_no_image_are_refused() {
     ] {
         assert_eq!(with(corners, score).unwrap_err(), FrameError::Box(why));
     }
+    let cup = || with([0.0, 0.0, 2.0, 2.0], 0.5).unwrap();
+    assert!(cup().masked(|u, v| u < 2 && v < 3).is_ok());
+    assert_eq!(cup().masked(|_, _| false).unwrap_err(), FrameError::Mask(MaskError::Empty));
 }
 
 #[test]
