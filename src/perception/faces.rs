@@ -61,6 +61,7 @@ impl Faces {
         let unseen_m = lowest_m + out.faces[4].position_m;
         out.hide_backs_of_sheets(segment);
         out.hide_backs_of_fronts(segment, prior);
+        out.doubt_low_top(frame, segment, prior);
         let is_cut = BoxSide::ALL.into_iter().any(|side| segment.is_cut_by_image(side));
         let hides_lower_part = prior.foot || unseen_m > UNSEEN_SHARE * out.extent_m(2);
         // Of what carries things the top is the widest part.

@@ -36,15 +36,15 @@ impl Faces {
     }
 
     /// Unseen faces lie somewhere beyond the last point: as far as the class's usual size asks for, or, where
-    /// that is not known, somewhat further, for objects are seldom much thinner than they are wide and high.
+    /// that is not known, further by a share of how large what was seen is, give or take more than that.
     fn guess_what_is_hidden(&mut self, prior: &ClassPrior, room_m: [f64; 4]) {
         let extents: [f64; 3] = std::array::from_fn(|axis| self.extent_m(axis));
         let usual = prior.size_m.map(|size| self.usual_sizes(size, room_m));
+        let largest_m = extents.into_iter().fold(0.0, f64::max);
         let round_m = self.diameter_m(prior);
         // The bottom is settled by what the object stands on.
         for i in [0, 1, 2, 3, 5] {
             let axis = i / 2;
-            let across = extents[(axis + 1) % 3].min(extents[(axis + 2) % 3]);
             let (guess, sigma_m) = match (self.faces[i].side, usual) {
                 (side, _) if side.is_known() => continue,
                 _ if axis < 2 && round_m.is_some() => {
@@ -52,11 +52,10 @@ impl Faces {
                     (diameter_m - extents[axis], ROUND_SPREAD * diameter_m)
                 }
                 (_, Some(usual)) => (usual[axis].extent_m - extents[axis], usual[axis].sigma_m),
-                (Side::Hidden, None) => {
-                    let beyond = HIDDEN_SHARE * across.max(0.5 * extents[axis]);
-                    (beyond, 1.5 * beyond)
+                (_, None) => {
+                    let beyond_m = HIDDEN_SHARE * largest_m;
+                    (beyond_m, HIDDEN_SPREAD * beyond_m)
                 }
-                (_, None) => (CUT_SHARE * extents[axis], 0.15 * extents[axis]),
             };
             let least_m = if axis < 2 && round_m.is_some() { 0.0 } else { MIN_GUESS_SIGMA_M };
             // What there is no room for at one end is at the other.
@@ -108,7 +107,8 @@ const SIZE_SPREAD: f64 = 0.25;
 const ROUND_SPREAD: f64 = 0.25;
 /// Guesses are not better than this (m).
 const MIN_GUESS_SIGMA_M: f64 = 0.05;
-/// Of a class without a usual size, what is hidden goes on by this share of the object's smaller other extent,
+/// Of a class without a usual size, what was not seen goes on by this share of the largest extent that was seen: what
+/// shows of a cabinet between a door and the image's border is a sliver of it, but as high as the whole.
 const HIDDEN_SHARE: f64 = 0.3;
-/// and what is cut by this share of what was seen.
-const CUT_SHARE: f64 = 0.1;
+/// Standard deviation of that, as a share of it.
+const HIDDEN_SPREAD: f64 = 1.5;

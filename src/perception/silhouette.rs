@@ -66,6 +66,23 @@ impl Faces {
         })
     }
 
+    /// Beside something nearer, a part of the object may be hidden that is higher than what was seen: the back rest of a chair of
+    /// which one leg and the seat show. So it is where what was seen is much lower than things of its class are.
+    pub(super) fn doubt_low_top(
+        &mut self,
+        frame: &Frame<'_>,
+        segment: &Segment<'_>,
+        prior: &ClassPrior,
+    ) {
+        let is_low = prior.size_m.is_some_and(|[_, _, m]| self.extent_m(2) < LOW_SHARE * m);
+        let is_hidden = |side| self.share_hidden_beyond(frame, segment, side) > MOSTLY_HIDDEN;
+        let top = self.faces[TOP].side;
+        if is_low && top == Side::Seen && [BoxSide::Left, BoxSide::Right].into_iter().any(is_hidden)
+        {
+            self.faces[TOP].side = Side::Hidden;
+        }
+    }
+
     /// How much of what is just outside of this side of the box shows something nearer, behind which the object may go on.
     fn share_hidden_beyond(&self, frame: &Frame<'_>, segment: &Segment<'_>, side: BoxSide) -> f64 {
         let beyond_px = SILHOUETTE_SIGMAS * side.sigma_px(&segment.rect);
@@ -132,19 +149,51 @@ impl Faces {
         let Some((least, i, outward_m)) = best else { return };
         let ambiguity = (AMBIGUITY * (0.5 * (least - second)).exp()).max(OUTLINE_SHARE);
         let face = self.faces[i];
-        let position_m = face.position_m + outward_m;
-        // Where something nearer is beside it, it reaches so far at least.
-        let is_open =
-            !face.side.is_known() && self.share_hidden_beyond(frame, segment, side) > MOSTLY_HIDDEN;
-        let open_m = if is_open { OPEN_SHARE * face.sigma_m } else { 0.0 };
         let noise_m = outward_m * sigma_px / missing_px;
+        let is_higher_part = i == TOP && face.side == Side::Seen;
+        let (outward_m, spread_m) = if is_higher_part {
+            self.higher_part(frame, segment, side, outward_m)
+        } else {
+            (outward_m, 0.0)
+        };
+        // Where something nearer is beside it, it reaches so far at least.
+        let is_open = self.share_hidden_beyond(frame, segment, side) > MOSTLY_HIDDEN;
+        let unknown_m = if face.side.is_known() { 0.0 } else { OPEN_SHARE * face.sigma_m };
+        let open_m =
+            if is_open { unknown_m.max(OPEN_EXTENT_SHARE * self.extent_m(i / 2)) } else { 0.0 };
+        let own_m = noise_m.hypot(ambiguity * outward_m).hypot(MIN_SIGMA_M);
         self.faces[i] = Face {
-            position_m,
-            sigma_m: noise_m.hypot(ambiguity * outward_m).hypot(MIN_SIGMA_M).hypot(open_m),
+            position_m: face.position_m + outward_m,
+            sigma_m: own_m.hypot(open_m).hypot(spread_m),
             side: Side::Outline,
             guessed_m: 0.0,
             seen: face.seen,
         };
+    }
+
+    /// A part of the object is higher than the end of the top that was seen: the headboard of a bed, out of depth's range. It may be
+    /// anywhere between the object's near and its far end, and is the higher the farther off it is. The mean way up to
+    /// it, of which `least_m` is the least, and the standard deviation of that (m).
+    fn higher_part(
+        &self,
+        frame: &Frame<'_>,
+        segment: &Segment<'_>,
+        side: BoxSide,
+        least_m: f64,
+    ) -> (f64, f64) {
+        let (pose, half) = (self.pose(), self.semi_axes_m());
+        let needed_m = |(x, y): (f64, f64)| {
+            let out = |up_m: f64| {
+                let at = pose * Point3::new(x * half.x, y * half.y, half.z + up_m);
+                frame.project(&at).map(|(_, pixel)| side.outwards(pixel.x, pixel.y))
+            };
+            let from = out(least_m)?;
+            let slope = (out(least_m + PROBE_M)? - from) / PROBE_M;
+            (slope > 0.0).then(|| least_m + (side.of(&segment.rect) - from) / slope)
+        };
+        let most_m = CORNERS.into_iter().filter_map(needed_m).fold(least_m, f64::max);
+        let range_m = (most_m - least_m).min(MAX_GROWTH * self.largest_extent_m());
+        (least_m + 0.5 * range_m, range_m / 12.0_f64.sqrt())
     }
 
     /// How far face `i` has to go out for nothing to be missing; nothing when no reasonable distance does.
@@ -313,6 +362,12 @@ const SILHOUETTE_SIGMAS: f64 = 4.0;
 const MOSTLY_HIDDEN: f64 = 0.5;
 /// What is hidden there, as a share of how little was known of the end before.
 const OPEN_SHARE: f64 = 0.25;
+/// or as a share of the object: sizes differ by a quarter, to either end by half of that.
+const OPEN_EXTENT_SHARE: f64 = 0.125;
+/// The upper face.
+const TOP: usize = 5;
+/// Hardly a thing of a class has less than this share of the usual height: sizes differ by a quarter.
+const LOW_SHARE: f64 = 0.6;
 /// What is no higher than this above the support plane is the support plane (m).
 const SUPPORT_MARGIN_M: f64 = 0.05;
 /// An outline may overshoot the object itself by this share of the box: corners are seldom filled.
