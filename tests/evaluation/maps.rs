@@ -118,6 +118,20 @@ fn what_is_saved_is_loaded() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
 }
 
+/// Doubles of 17 digits, and what their reading is off by where it is done in doubles.
+#[test]
+fn a_map_that_is_read_and_written_has_the_same_bytes() {
+    let mut map = file();
+    for (at, existence) in [0.9933071490757153, 0.9820137900379085].into_iter().enumerate() {
+        map["objects"][at]["existence"] = json!(existence);
+        map["objects"][at]["position"] =
+            json!([0.002741609664808939, -0.002493845714016407, 0.37445646833822366]);
+    }
+    let text = map_json(&read_map(&map.to_string()).unwrap()).unwrap();
+    assert!(text.contains("0.9933071490757153") && text.contains("0.9820137900379085"));
+    assert_eq!(map_json(&read_map(&text).unwrap()).unwrap(), text);
+}
+
 #[test]
 fn texts_that_are_no_map_are_refused_in_a_sentence() {
     let whole = file().to_string();
