@@ -42,7 +42,7 @@ mod viewer;
 #[cfg(feature = "ros")]
 use crate::ros::log_lines;
 use clap::{Parser, Subcommand};
-use std::process::ExitCode;
+use std::{io::IsTerminal, process::ExitCode};
 use tracing_subscriber::{
     Layer, Registry, filter::Targets, layer::SubscriberExt, util::SubscriberInitExt,
 };
@@ -105,8 +105,11 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 
 type Outcome = Result<(), Failure>;
 
-/// Our own words from `level` on, to standard error and to whoever wants them `also`. DDS calls things errors that heal themselves: its words are for `-vv` only.
-fn log(level: tracing::Level, also: Option<impl Layer<Registry> + Send + Sync>) {
+/// Where log lines go.
+type LogLines = Box<dyn Layer<Registry> + Send + Sync>;
+
+/// Our own words from `level` on, in `lines` and to whoever wants them `also`. DDS calls things errors that heal themselves: its words are for `-vv` only.
+fn log(level: tracing::Level, also: Option<LogLines>, lines: LogLines) {
     let own = Targets::new().with_target(env!("CARGO_PKG_NAME"), level);
     let filter = match level {
         tracing::Level::DEBUG | tracing::Level::TRACE => {
@@ -114,9 +117,15 @@ fn log(level: tracing::Level, also: Option<impl Layer<Registry> + Send + Sync>) 
         }
         _ => own.clone(),
     };
-    let also = also.map(|also| also.with_filter(own));
-    let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(filter);
-    tracing_subscriber::registry().with(also).with(lines).init();
+    let mut all = vec![lines.with_filter(filter).boxed()];
+    all.extend(also.map(|also| also.with_filter(own).boxed()));
+    tracing_subscriber::registry().with(all).init();
+}
+
+/// Lines on standard error, with colours where that is a terminal.
+fn plain_lines() -> LogLines {
+    let is_colored = std::env::var_os("NO_COLOR").is_none() && std::io::stderr().is_terminal();
+    tracing_subscriber::fmt::layer().with_ansi(is_colored).with_writer(std::io::stderr).boxed()
 }
 
 /// Runs the program: 0 when done, 1 when the work failed, 2 for wrong usage.
@@ -129,10 +138,11 @@ pub fn run() -> ExitCode {
     };
     #[cfg(feature = "ros")]
     let (layer, lines) = log_lines();
-    #[cfg(feature = "ros")]
-    log(level, matches!(cli.command, Command::Node(_)).then_some(layer));
-    #[cfg(not(feature = "ros"))]
-    log(level, None::<tracing_subscriber::layer::Identity>);
+    match &cli.command {
+        #[cfg(feature = "ros")]
+        Command::Node(args) => log(level, Some(layer.boxed()), args.log_lines()),
+        _ => log(level, None, plain_lines()),
+    }
     if !cli.command.ends_itself()
         && let Err(why) = interruption::clean_up_when_interrupted()
     {

@@ -1,15 +1,16 @@
 //! `node`: the main job, live on ROS 2.
 
-use super::{Failure, Outcome, detector, map_folder::MapFolder};
+use super::{Failure, LogLines, Outcome, detector, map_folder::MapFolder};
 use crate::{
     config::{LogLevel, MapFileSettings, Parameters, RosArguments},
     mapping::SavedMap,
-    ros::{Domain, LogLines, MapFiles, check_remaps, run_node},
+    ros::{self, Domain, LogForm, MapFiles, check_remaps, run_node},
 };
 use anyhow::anyhow;
 use clap::Parser;
-use std::{env, fs, os::unix::process::CommandExt, path::Path, process::Command, sync::Arc};
+use std::{env, fs, io, os::unix::process::CommandExt, path::Path, process::Command, sync::Arc};
 use tracing::Level;
+use tracing_subscriber::Layer;
 
 /// Run live on ROS 2 until it is interrupted.
 #[derive(Debug, Parser)]
@@ -30,6 +31,14 @@ impl Args {
                 "`{other}` is no argument of node; those of ROS 2 come after --ros-args"
             ))),
         }
+    }
+
+    /// Log lines in ROS's form.
+    pub(super) fn log_lines(&self) -> LogLines {
+        // Arguments that cannot be read are named by `run`.
+        let logger = self.parse_ros().map_or_else(|_| NODE.to_owned(), |known| known.logger());
+        let lines = tracing_subscriber::fmt::layer().event_format(LogForm::of(logger));
+        lines.with_writer(io::stderr).boxed()
     }
 
     /// What `--log-level` says; ROS 2's default otherwise.
@@ -69,7 +78,7 @@ const MMAP_THRESHOLD: &str = "MALLOC_MMAP_THRESHOLD_";
 /// As glibc begins (bytes).
 const BYTES: &str = "131072";
 
-pub(super) fn run(args: &Args, lines: LogLines) -> Outcome {
+pub(super) fn run(args: &Args, lines: ros::LogLines) -> Outcome {
     keep_memory_small();
     let arguments = args.parse_ros()?;
     let mut parameters = Parameters::default();

@@ -86,7 +86,7 @@ impl Results {
             folder: folder.to_owned(),
             bag: Ok(bag),
             poses: Vec::new(),
-            publication: Publication::new(node.publish, &node.map_frame),
+            publication: Publication::new(node),
             room: Room::default(),
             map_frame: node.map_frame.clone(),
             children: BTreeSet::new(),

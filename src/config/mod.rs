@@ -5,6 +5,7 @@
 
 mod arguments;
 mod detector_settings;
+mod ground_settings;
 mod keys;
 mod node_keys;
 mod node_settings;
@@ -15,6 +16,7 @@ mod values;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use detector_settings::{DetectorSettings, ModelForm};
+pub use ground_settings::GroundSettings;
 pub use keys::{Key, keys};
 pub use node_settings::{
     AUTO, DepthTransport, DetectionsType, MapFileSettings, NodeSettings, PublishSettings, Qos,

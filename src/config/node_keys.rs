@@ -80,5 +80,41 @@ pub(super) const NODE_KEYS: &[Key] = &[
     other("publish.landmarks", "objects as landmarks for RTAB-Map"),
     other("publish.debug_image", "the colour image with boxes and outlines drawn into it")
         .at_start(),
+    other("publish.costmap", "the ground that objects cover, as nav_msgs/OccupancyGrid"),
+    other(
+        "publish.object_frames",
+        "a TF frame for each object: object_ID, and object_NAME where it has been named",
+    ),
     number("publish.path_step_m", 0.0, 10.0, "a new pose of the path after so much way [m]"),
+    other("ground", "What stands in a robot's way, for publish.costmap and ~/approach_object."),
+    number(
+        "ground.cell_m",
+        0.01,
+        1.0,
+        "size of the costmap's cells; larger where they would be more than a million [m]",
+    ),
+    number(
+        "ground.inflation_m",
+        0.0,
+        2.0,
+        "how far objects are wider in the costmap than they are [m]",
+    ),
+    number(
+        "ground.robot_height_m",
+        0.1,
+        10.0,
+        "it passes under objects whose lower side is higher above the floor [m]",
+    ),
+    number(
+        "ground.robot_radius_m",
+        0.05,
+        2.0,
+        "kept free of objects and walls where it is sent [m]",
+    ),
+    number(
+        "ground.approach_distance_m",
+        0.05,
+        10.0,
+        "from an object's footprint to where it is sent [m]",
+    ),
 ];

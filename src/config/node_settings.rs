@@ -1,6 +1,6 @@
 //! Settings of the live node: topics, frames, files, and what is published.
 
-use super::DetectorSettings;
+use super::{DetectorSettings, GroundSettings};
 use crate::pipeline::StartPose;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +24,8 @@ pub struct NodeSettings {
     pub map: MapFileSettings,
     /// What is published besides markers, boxes, objects, path and odometry.
     pub publish: PublishSettings,
+    /// What stands in a robot's way.
+    pub ground: GroundSettings,
 }
 
 /// What stands for a topic that is to be found by its type and name.
@@ -147,6 +149,10 @@ pub struct PublishSettings {
     pub landmarks: bool,
     /// Whether the colour image is published with boxes and outlines drawn into it.
     pub debug_image: bool,
+    /// Whether the objects' footprints are published as a costmap.
+    pub costmap: bool,
+    /// Whether each object has a frame in TF.
+    pub object_frames: bool,
     /// Way (m) after which the path gets a new pose; a turn of 10 degrees gives one too.
     pub path_step_m: f64,
 }
@@ -162,6 +168,7 @@ impl Default for NodeSettings {
             detector: DetectorSettings::default(),
             map: MapFileSettings::default(),
             publish: PublishSettings::default(),
+            ground: GroundSettings::default(),
         }
     }
 }
@@ -190,6 +197,8 @@ impl Default for PublishSettings {
             measurements: false,
             landmarks: false,
             debug_image: false,
+            costmap: false,
+            object_frames: false,
             path_step_m: 0.02,
         }
     }

@@ -10,9 +10,11 @@
 mod camera;
 mod ellipsoid;
 mod face_evidence;
+mod ground_grid;
 mod outline;
 mod overlap;
 mod plane;
+mod polygon;
 mod pose;
 mod rect;
 mod silhouette;
@@ -21,9 +23,11 @@ mod wall;
 pub use camera::{Camera, CameraError, Distortion};
 pub use ellipsoid::{Ellipsoid, EllipsoidError};
 pub use face_evidence::{FaceEvidence, Reach};
+pub use ground_grid::GroundGrid;
 pub use outline::{Outline, Support};
 pub use overlap::{OrientedBox, intersection_over_union, intersection_volume};
 pub use plane::Plane;
+pub use polygon::{from_segment, points_around, polygon_distance, segments_cross};
 pub use pose::{
     Pose, adjoint, exp, interpolate, local, log, log_derivative, pose_from_xyzw, retract,
     rotation_log_derivative, skew, yaw_of,

@@ -3,7 +3,7 @@
 use super::{disk_problem, write_atomically};
 use crate::{
     geometry::{Ellipsoid, Outline, Pose, pose_from_xyzw},
-    mapping::{SavedMap, SavedObject, proper_belief},
+    mapping::{SavedMap, SavedObject, checked_name, proper_belief},
     pipeline::{MapsToSave, SET_ASIDE_MAP},
     time::Stamp,
 };
@@ -87,6 +87,10 @@ struct VersionOnly {
 struct ObjectRecord {
     id: u64,
     label: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    locked: bool,
     labels: BTreeMap<String, f64>,
     existence: f64,
     observations: u32,
@@ -249,6 +253,8 @@ fn record(object: &SavedObject) -> ObjectRecord {
     ObjectRecord {
         id: object.id,
         label: object.label.clone(),
+        name: object.name.clone(),
+        locked: object.locked,
         labels: object.labels.clone(),
         existence: object.existence,
         observations: object.observations,
@@ -268,6 +274,8 @@ fn object(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
     Ok(SavedObject {
         id: record.id,
         label: record.label,
+        name: record.name,
+        locked: record.locked,
         labels: proper_belief(record.labels),
         existence: record.existence,
         observations: record.observations,
@@ -281,7 +289,7 @@ fn object(record: ObjectRecord) -> Result<SavedObject, MapFileError> {
 }
 
 /// Whether each field is as it has to be.
-fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 8] {
+fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 9] {
     let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
     let positive = |values: &[f64]| finite(values) && values.iter().all(|v| *v > 0.0);
     let near = |values: &[f64], limit: f64| values.iter().all(|v| v.abs() <= limit);
@@ -294,10 +302,16 @@ fn checks(record: &ObjectRecord) -> [(bool, &'static str, &'static str); 8] {
     let in_order = near(&stamps, MAX_STAMP_S) && stamps[0] <= stamps[1];
     let labels_fit = record.labels.values().all(probability)
         && record.labels.get(&record.label).is_some_and(|p| *p > 0.0);
+    let name_fits = record.name.as_ref().is_none_or(|name| checked_name(name).is_ok());
     let support = record.support_height.is_none_or(|height| near(&[height], MAX_PLACE_M));
     let sizes = positive(&record.semi_axes) && near(&record.semi_axes, MAX_SIZE_M);
     [
         (!record.label.is_empty(), "label", "must not be empty"),
+        (
+            name_fits,
+            "name",
+            "must not be empty, longer than 255 bytes, or have control characters in it",
+        ),
         (labels_fit, "labels", "have to have probabilities between 0 and 1, the label one above 0"),
         (probability(&record.existence), "existence", "has to be between 0 and 1"),
         (in_order, "first_seen", "has to be a time not after last_seen"),

@@ -246,6 +246,7 @@ impl Evidence<'_> {
                 || !is_near
                 || !object.counts()
                 || object.is_glimpsed()
+                || object.locked
             {
                 return None;
             }

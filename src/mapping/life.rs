@@ -132,6 +132,9 @@ impl ObjectMap {
         let is_clear = !associated.decisions.iter().any(is_open);
         let found: Vec<Ellipsoid> = seen.iter().map(|at| *self.objects[*at].estimate()).collect();
         for (at, prospect) in associated.prospects.iter().filter(|(_, p)| p.is_visible()) {
+            if self.objects[*at].locked {
+                continue;
+            }
             let existence = &mut self.objects[*at].existence;
             if seen.contains(at) {
                 existence.found(prospect);
@@ -147,7 +150,7 @@ impl ObjectMap {
     fn settle(&mut self, now: Stamp, changes: &mut Vec<ObjectChange>) {
         let (needed, life) = (self.settings.min_observations, self.settings.life);
         let mut gone = Vec::new();
-        for object in &mut self.objects {
+        for object in self.objects.iter_mut().filter(|object| !object.locked) {
             let before = object.state();
             // What nobody knows the place of is not on the map.
             let is_given = self.settings.association == Association::Given;
@@ -193,8 +196,8 @@ impl ObjectMap {
             let other = (0..self.objects.len()).find(|other| self.are_one(at, *other));
             if let Some(other) = other {
                 let (a, b) = (&self.objects[at], &self.objects[other]);
-                // The one that counts, then the one that is known for longer.
-                let order = |o: &MapObject| (!o.counts(), o.id);
+                // The one that is locked, the one that counts, then the one that is known for longer.
+                let order = |o: &MapObject| (!o.locked, !o.counts(), o.id);
                 let (kept, gone) = if order(a) < order(b) { (a.id, b.id) } else { (b.id, a.id) };
                 let counted = self.position(gone).is_some_and(|at| self.objects[at].counts());
                 if self.merge(kept, gone).is_ok() && counted {
@@ -273,7 +276,7 @@ impl ObjectMap {
             let object = &self.objects[at];
             // It may have been seen at its new place before one looked at the old one.
             let age = sighting.stamp.seconds_since(object.first_seen);
-            if !object.counts() || age > MOVED_WITHIN_S {
+            if !object.counts() || object.locked || age > MOVED_WITHIN_S {
                 continue;
             }
             let alike = (0..self.departed.len())

@@ -10,6 +10,9 @@ pub enum MergeError {
     /// There is no such object.
     #[error("there is no object {0} in the map")]
     Unknown(ObjectId),
+    /// An object that is to stay.
+    #[error("object {0} is locked")]
+    Locked(ObjectId),
     /// An object cannot be merged into itself.
     #[error("object {0} is to be merged into itself")]
     Same(ObjectId),
@@ -23,13 +26,16 @@ impl ObjectMap {
     /// with them.
     ///
     /// # Errors
-    /// When there are no such two objects or the graph cannot be solved; nothing has changed then.
+    /// When there are no such two objects, `gone` is locked, or the graph cannot be solved; nothing has changed then.
     pub fn merge(&mut self, kept: ObjectId, gone: ObjectId) -> Result<(), MergeError> {
         if kept == gone {
             return Err(MergeError::Same(kept));
         }
         let before = self.objects[self.known(kept)?].clone();
         let gone_at = self.known(gone)?;
+        if self.objects[gone_at].locked {
+            return Err(MergeError::Locked(gone));
+        }
         let other = self.objects.remove(gone_at);
         let at = self.known(kept)?;
         let absorbed =
@@ -99,7 +105,7 @@ impl ObjectMap {
     }
 
     /// Solves the graph after a change of its factors; where that fails, the graph is as it was.
-    fn solved<T>(&mut self, changed: Result<T, NoiseError>) -> Result<T, MergeError> {
+    pub(super) fn solved<T>(&mut self, changed: Result<T, NoiseError>) -> Result<T, MergeError> {
         let changed = changed.map_err(|why| why.to_string());
         let solved = changed
             .and_then(|change| self.graph.update().map(|_| change).map_err(|why| why.to_string()));

@@ -1,10 +1,12 @@
 //! Memory: which measurement belongs to which object, and which factors poses and objects give the graph.
 
+mod approach;
 mod assignment;
 mod association;
 mod beginning;
 mod company;
 mod continuation;
+mod editing;
 mod existence;
 mod gate;
 mod glimpsed;
@@ -30,8 +32,10 @@ mod views;
 mod visibility;
 mod walls;
 
+pub use approach::{ApproachSettings, NoApproach, Surroundings};
 pub use association::Association;
 pub use continuation::Continuation;
+pub use editing::{BadName, Edit, EditError, NewObject, checked_name};
 pub use existence::{LifeSettings, ObjectState};
 pub use gate::GateSettings;
 pub use labels::{LabelSettings, proper_belief};

@@ -65,6 +65,10 @@ pub struct MapObject {
     pub(super) glimpsed: bool,
     /// Whether it is known where it is.
     pub(super) placed: bool,
+    /// What people call it.
+    pub(super) given_name: Option<String>,
+    /// Whether it stays in the map and in its place whatever images say.
+    pub(super) locked: bool,
     pub(super) company: Company,
 }
 
@@ -96,6 +100,8 @@ impl MapObject {
             existence: Existence::default(),
             glimpsed: first.is_glimpse(),
             placed: false,
+            given_name: None,
+            locked: false,
             company: Company::default(),
         }
     }
@@ -115,7 +121,8 @@ impl MapObject {
         let prior = EllipsoidPrior::new(variable, saved.ellipsoid, noise);
         let prior = prior.with_kernel(settings.robust_kernel());
         let prior = Tie::new(graph, TieFactor::Prior(Box::new(prior)), None);
-        let votes = f64::from(saved.observations);
+        // What was never seen is believed as much as what was seen once.
+        let votes = f64::from(saved.observations.max(1));
         let height = saved.support_height_m;
         Ok(Self {
             id: saved.into(),
@@ -138,6 +145,8 @@ impl MapObject {
             existence: Existence::remembered(saved.existence),
             glimpsed: false,
             placed: true,
+            given_name: saved.name.clone(),
+            locked: saved.locked,
             company: Company::remembered(saved.observations),
         })
     }
@@ -190,6 +199,26 @@ impl MapObject {
         best.0
     }
 
+    /// What people call it; its most probable label where nobody has named it.
+    pub fn name(&self) -> &str {
+        self.given_name.as_deref().unwrap_or_else(|| self.label())
+    }
+
+    /// Whether detectors or people call it so.
+    pub fn is_called(&self, name: &str) -> bool {
+        name == self.label() || Some(name) == self.given_name()
+    }
+
+    /// The name that people gave it.
+    pub fn given_name(&self) -> Option<&str> {
+        self.given_name.as_deref()
+    }
+
+    /// Whether it stays in the map and in its place whatever images say.
+    pub fn is_locked(&self) -> bool {
+        self.locked
+    }
+
     /// Probability of each label; they sum to one.
     pub fn labels(&self) -> BTreeMap<String, f64> {
         self.belief.clone()
@@ -212,7 +241,7 @@ impl MapObject {
 
     /// Whether more boxes in its place speak against it than for it.
     pub(super) fn is_discredited(&self) -> bool {
-        self.company.is_discredited()
+        !self.locked && self.company.is_discredited()
     }
 
     pub(super) fn belief(&self) -> &BTreeMap<String, f64> {
@@ -320,6 +349,8 @@ impl MapObject {
         self.belief = mapping.labels.posterior(&self.votes);
         self.existence.absorb(&other.existence);
         self.placed |= other.placed;
+        self.given_name = self.given_name.take().or(other.given_name);
+        self.locked |= other.locked;
         self.looks.clear();
         let (own, others) = (f64::from(self.support_heights), f64::from(other.support_heights));
         self.support_height_m = match (self.support_height_m, other.support_height_m) {

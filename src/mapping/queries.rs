@@ -3,7 +3,9 @@
 //! Every object is looked at: a map of 10,000 answers in a fraction of a millisecond, so that an index does not pay.
 
 use super::{MapObject, ObjectMap};
-use crate::geometry::{Camera, ImageSide, NEAR_M, OrientedBox, Outline, Pose, Rect, Silhouette};
+use crate::geometry::{
+    Camera, ImageSide, NEAR_M, OrientedBox, Outline, Pose, Rect, Silhouette, polygon_distance,
+};
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 use std::f64::consts::TAU;
 
@@ -220,30 +222,6 @@ fn box_distance(body: &OrientedBox, point: &Point3<f64>) -> (f64, Vector3<f64>) 
     };
     let signed = direction.zip_map(&own, |d, x| if x < 0.0 { -d } else { d });
     (distance, body.pose.rotation * signed)
-}
-
-/// Distance of a point from a polygon's border, negative inside, and the direction in which it grows.
-fn polygon_distance(corners: &[Point2<f64>], point: &Point2<f64>) -> (f64, Vector2<f64>) {
-    let (mut nearest, mut is_inside) = (Vector2::new(f64::MAX, 0.0), false);
-    for (i, from) in corners.iter().enumerate() {
-        let to = &corners[(i + 1) % corners.len()];
-        let side = to - from;
-        let along = ((point - from).dot(&side) / side.norm_squared().max(f64::MIN_POSITIVE))
-            .clamp(0.0, 1.0);
-        let apart = point - (from + side * along);
-        if apart.norm_squared() < nearest.norm_squared() {
-            nearest = apart;
-        }
-        // A ray to the right crosses the border an odd number of times.
-        if (from.y > point.y) != (to.y > point.y)
-            && point.x < from.x + side.x * (point.y - from.y) / side.y
-        {
-            is_inside = !is_inside;
-        }
-    }
-    let distance = nearest.norm();
-    let direction = if distance > 0.0 { nearest / distance } else { Vector2::x() };
-    if is_inside { (-distance, -direction) } else { (distance, direction) }
 }
 
 /// Standard deviation of an object's centre along a direction of the map (m).

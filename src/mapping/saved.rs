@@ -24,6 +24,10 @@ pub struct SavedObject {
     pub id: u64,
     /// Its most probable label.
     pub label: String,
+    /// What people call it, if they have named it.
+    pub name: Option<String>,
+    /// Whether it stays in the map and in its place whatever images say.
+    pub locked: bool,
     /// Probability of each label.
     pub labels: BTreeMap<String, f64>,
     /// Probability that it exists.
@@ -83,6 +87,8 @@ impl From<&MapObject> for SavedObject {
         Self {
             id: object.id.0,
             label: object.label().to_owned(),
+            name: object.given_name().map(str::to_owned),
+            locked: object.is_locked(),
             labels: object.labels(),
             existence: object.existence(),
             observations: object.observations,

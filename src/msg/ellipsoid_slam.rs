@@ -3,7 +3,7 @@
 use crate::msg::{
     Message, Service,
     builtin_interfaces::Time,
-    geometry_msgs::{Point, Pose, Vector3},
+    geometry_msgs::{Point, Pose, PoseStamped, Vector3},
     std_msgs::Header,
 };
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,10 @@ pub struct Object {
     pub id: u64,
     /// The most probable label.
     pub label: String,
+    /// What people call it.
+    pub name: String,
+    /// Whether it stays whatever images say.
+    pub locked: bool,
     /// All labels.
     pub labels: Vec<LabelBelief>,
     /// Probability that it exists.
@@ -200,7 +204,7 @@ pub struct QueryObjects;
 /// What has to hold for an object; what is not asked for holds for all.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct QueryObjectsRequest {
-    /// One of these is its most probable label; empty: any.
+    /// One of these is its most probable label or its name; empty: any.
     pub labels: Vec<String>,
     /// At least this probable to exist.
     pub min_existence: f64,
@@ -239,4 +243,136 @@ impl Service for QueryObjects {
     const TYPE: &'static str = "ellipsoid_slam/srv/QueryObjects";
     type Request = QueryObjectsRequest;
     type Response = QueryObjectsResponse;
+}
+
+/// Where a robot can stand before an object.
+#[derive(Clone, Copy, Debug)]
+pub struct ApproachObject;
+
+/// Before which one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ApproachObjectRequest {
+    /// The object; 0: the nearest one of the label.
+    pub id: u64,
+    /// Its label or name.
+    pub label: String,
+    /// From its footprint to the base (m); 0: as the parameters say.
+    pub distance: f64,
+}
+
+/// Where.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ApproachObjectResponse {
+    /// Whether there is such a pose.
+    pub success: bool,
+    /// Why there is none.
+    pub message: String,
+    /// The object.
+    pub id: u64,
+    /// Of the base, in the frame of the map.
+    pub pose: PoseStamped,
+}
+
+impl Service for ApproachObject {
+    const TYPE: &'static str = "ellipsoid_slam/srv/ApproachObject";
+    type Request = ApproachObjectRequest;
+    type Response = ApproachObjectResponse;
+}
+
+/// What came of an edit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EditResponse {
+    /// Whether it was done.
+    pub success: bool,
+    /// What was done, or why not.
+    pub message: String,
+}
+
+/// Gives an object a name.
+#[derive(Clone, Copy, Debug)]
+pub struct RenameObject;
+
+/// Which name.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RenameObjectRequest {
+    /// The object.
+    pub id: u64,
+    /// Its name.
+    pub name: String,
+}
+
+impl Service for RenameObject {
+    const TYPE: &'static str = "ellipsoid_slam/srv/RenameObject";
+    type Request = RenameObjectRequest;
+    type Response = EditResponse;
+}
+
+/// Takes an object out of the map.
+#[derive(Clone, Copy, Debug)]
+pub struct DeleteObject;
+
+/// Which one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DeleteObjectRequest {
+    /// The object.
+    pub id: u64,
+}
+
+impl Service for DeleteObject {
+    const TYPE: &'static str = "ellipsoid_slam/srv/DeleteObject";
+    type Request = DeleteObjectRequest;
+    type Response = EditResponse;
+}
+
+/// Keeps an object as it is.
+#[derive(Clone, Copy, Debug)]
+pub struct LockObject;
+
+/// Which one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LockObjectRequest {
+    /// The object.
+    pub id: u64,
+    /// False takes the lock away.
+    pub locked: bool,
+}
+
+impl Service for LockObject {
+    const TYPE: &'static str = "ellipsoid_slam/srv/LockObject";
+    type Request = LockObjectRequest;
+    type Response = EditResponse;
+}
+
+/// Adds an object that nobody has seen.
+#[derive(Clone, Copy, Debug)]
+pub struct AddObject;
+
+/// What is where.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AddObjectRequest {
+    /// Its class.
+    pub label: String,
+    /// Of its centre, in the map.
+    pub pose: PoseStamped,
+    /// Full extents (m).
+    pub size: Vector3,
+    /// Whether it stays if images do not show it.
+    pub locked: bool,
+}
+
+/// What came of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AddObjectResponse {
+    /// Whether it was done.
+    pub success: bool,
+    /// What was done, or why not.
+    pub message: String,
+    /// The new object.
+    pub id: u64,
+}
+
+impl Service for AddObject {
+    const TYPE: &'static str = "ellipsoid_slam/srv/AddObject";
+    type Request = AddObjectRequest;
+    type Response = AddObjectResponse;
 }

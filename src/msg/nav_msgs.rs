@@ -2,7 +2,8 @@
 
 use crate::msg::{
     Message,
-    geometry_msgs::{PoseStamped, PoseWithCovariance, TwistWithCovariance},
+    builtin_interfaces::Time,
+    geometry_msgs::{Pose, PoseStamped, PoseWithCovariance, TwistWithCovariance},
     std_msgs::Header,
 };
 use serde::{Deserialize, Serialize};
@@ -35,4 +36,45 @@ pub struct Path {
 
 impl Message for Path {
     const TYPE: &'static str = "nav_msgs/msg/Path";
+}
+
+/// The cells of a grid on the ground.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MapMetaData {
+    /// When it was made.
+    pub map_load_time: Time,
+    /// Size of a cell (m).
+    pub resolution: f32,
+    /// Cells along x.
+    pub width: u32,
+    /// Cells along y.
+    pub height: u32,
+    /// Pose of the corner of cell (0, 0).
+    pub origin: Pose,
+}
+
+impl Message for MapMetaData {
+    const TYPE: &'static str = "nav_msgs/msg/MapMetaData";
+}
+
+/// What is known of the ground, cell by cell.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OccupancyGrid {
+    /// Stamp and frame.
+    pub header: Header,
+    /// The cells.
+    pub info: MapMetaData,
+    /// Along x first: 0 free to 100 occupied; -1 where nothing is known.
+    pub data: Vec<i8>,
+}
+
+impl Message for OccupancyGrid {
+    const TYPE: &'static str = "nav_msgs/msg/OccupancyGrid";
+}
+
+impl OccupancyGrid {
+    /// A cell that is taken.
+    pub const OCCUPIED: i8 = 100;
+    /// A cell of which nothing is known.
+    pub const UNKNOWN: i8 = -1;
 }

@@ -45,7 +45,7 @@ pub(super) fn without_comment(line: &str) -> &str {
 
 /// The primitives that the definitions below use.
 const PRIMITIVES: &[&str] =
-    &["bool", "byte", "uint8", "int32", "uint32", "uint64", "float32", "float64", "string"];
+    &["bool", "byte", "int8", "uint8", "int32", "uint32", "uint64", "float32", "float64", "string"];
 
 const DEFINITIONS: &[(&str, &str)] = &[
     ("builtin_interfaces/Time", include_str!("../../msg/ros/builtin_interfaces/Time.msg")),
@@ -80,6 +80,8 @@ const DEFINITIONS: &[(&str, &str)] = &[
     ("sensor_msgs/PointField", include_str!("../../msg/ros/sensor_msgs/PointField.msg")),
     ("sensor_msgs/PointCloud2", include_str!("../../msg/ros/sensor_msgs/PointCloud2.msg")),
     ("sensor_msgs/CameraInfo", include_str!("../../msg/ros/sensor_msgs/CameraInfo.msg")),
+    ("nav_msgs/MapMetaData", include_str!("../../msg/ros/nav_msgs/MapMetaData.msg")),
+    ("nav_msgs/OccupancyGrid", include_str!("../../msg/ros/nav_msgs/OccupancyGrid.msg")),
     ("nav_msgs/Odometry", include_str!("../../msg/ros/nav_msgs/Odometry.msg")),
     ("nav_msgs/Path", include_str!("../../msg/ros/nav_msgs/Path.msg")),
     ("tf2_msgs/TFMessage", include_str!("../../msg/ros/tf2_msgs/TFMessage.msg")),

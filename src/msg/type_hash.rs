@@ -215,8 +215,13 @@ const PRIMITIVES: [(&str, u8); 16] = [
 
 /// The services that the node offers, and messages that only they and logging need.
 const SERVED: &[(&str, &str)] = &[
+    ("ellipsoid_slam/AddObject", include_str!("../../srv/AddObject.srv")),
+    ("ellipsoid_slam/ApproachObject", include_str!("../../srv/ApproachObject.srv")),
+    ("ellipsoid_slam/DeleteObject", include_str!("../../srv/DeleteObject.srv")),
     ("ellipsoid_slam/LoadMap", include_str!("../../srv/LoadMap.srv")),
+    ("ellipsoid_slam/LockObject", include_str!("../../srv/LockObject.srv")),
     ("ellipsoid_slam/QueryObjects", include_str!("../../srv/QueryObjects.srv")),
+    ("ellipsoid_slam/RenameObject", include_str!("../../srv/RenameObject.srv")),
     ("ellipsoid_slam/SaveMap", include_str!("../../srv/SaveMap.srv")),
     ("std_srvs/SetBool", include_str!("../../srv/ros/std_srvs/SetBool.srv")),
     ("std_srvs/Trigger", include_str!("../../srv/ros/std_srvs/Trigger.srv")),

@@ -10,8 +10,8 @@ use super::{
 use crate::{
     geometry::{Camera, Pose},
     mapping::{
-        Continuation, MapObject, ObjectChange, ObjectId, ObjectMap, Relocalised, SavedMap, Sighted,
-        Sighting, View,
+        Continuation, Edit, EditError, MapObject, ObjectChange, ObjectId, ObjectMap, Relocalised,
+        SavedMap, Sighted, Sighting, View,
     },
     perception::{
         DepthImage, Detection, EllipsoidMeasurement, Refused, Stage, StageObserver, WallSegment,
@@ -162,6 +162,14 @@ impl ObjectSlam {
             }
             (None, None) => MapsToSave { map: seen, beside: None, why: None },
         }
+    }
+
+    /// Changes an object as somebody asks for, at a time of the data; which one it was.
+    ///
+    /// # Errors
+    /// When there is no such object, or what is said of it cannot be; nothing has changed then.
+    pub fn edit(&mut self, edit: &Edit, now: Stamp) -> Result<ObjectId, EditError> {
+        self.map.edit(edit, now)
     }
 
     /// From now on these settings count; what is in the map stays.

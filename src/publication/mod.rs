@@ -5,20 +5,25 @@
 //! published as long as nothing changes.
 
 mod annotations;
+mod approach;
+mod costmap;
 mod drawing;
+mod object_frames;
 mod outgoing;
 mod query;
 mod room;
 mod way;
 
 pub use annotations::image_annotations;
+pub use approach::{Whereabouts, approach_object};
 pub use drawing::{draw_debug_image, draw_saved_objects, outline_in_image};
 pub use outgoing::{Outgoing, OutputTopic};
 pub use query::{View, query_objects};
 pub use room::Room;
 
 use crate::{
-    config::PublishSettings,
+    config::{GroundSettings, NodeSettings, PublishSettings},
+    geometry::Pose,
     mapping::{MapObject, ObjectId},
     msg::{
         convert::{
@@ -34,6 +39,8 @@ use crate::{
     },
     time::Stamp,
 };
+use costmap::Costmap;
+use object_frames::object_frames;
 use std::collections::{BTreeMap, BTreeSet};
 use way::Way;
 
@@ -46,6 +53,7 @@ const DELETED_AGAIN_S: f64 = 10.0;
 #[derive(Debug)]
 pub struct Publication {
     settings: PublishSettings,
+    ground: GroundSettings,
     map_frame: String,
     camera: Option<CameraMessage>,
     way: Way,
@@ -58,14 +66,16 @@ pub struct Publication {
     /// Whether the map has changed since.
     changed: bool,
     view: Option<View>,
+    costmap: Costmap,
 }
 
 impl Publication {
     /// Nothing has been published yet.
-    pub fn new(settings: PublishSettings, map_frame: &str) -> Self {
+    pub fn new(settings: &NodeSettings) -> Self {
         Self {
-            settings,
-            map_frame: map_frame.to_owned(),
+            settings: settings.publish,
+            ground: settings.ground,
+            map_frame: settings.map_frame.clone(),
             camera: None,
             way: Way::default(),
             shown: BTreeSet::new(),
@@ -73,6 +83,7 @@ impl Publication {
             published: None,
             changed: false,
             view: None,
+            costmap: Costmap::default(),
         }
     }
 
@@ -86,8 +97,8 @@ impl Publication {
     }
 
     /// From now on.
-    pub fn change_settings(&mut self, settings: PublishSettings) {
-        self.settings = settings;
+    pub fn change_settings(&mut self, settings: &NodeSettings) {
+        (self.settings, self.ground) = (settings.publish, settings.ground);
         self.changed = true;
     }
 
@@ -98,7 +109,21 @@ impl Publication {
         self.view = None;
         let mut out = vec![(stamp, Outgoing::Path(path(&[], stamp, &self.map_frame)))];
         self.map(stamp, slam, &mut out);
+        self.costmap(stamp, slam, &mut out);
         out
+    }
+
+    /// Somebody has edited the map.
+    pub fn edited(&mut self, stamp: Stamp, slam: &ObjectSlam) -> Vec<(Stamp, Outgoing)> {
+        let mut out = Vec::new();
+        self.map(stamp, slam, &mut out);
+        self.costmap(stamp, slam, &mut out);
+        out
+    }
+
+    /// Where the base is in the map, after all that is known now.
+    pub fn base(&self, slam: &ObjectSlam) -> Option<Pose> {
+        self.way.latest().map(|pose| slam.map_from_base(pose))
     }
 
     /// What the camera saw last, for [`query_objects`].
@@ -120,16 +145,20 @@ impl Publication {
         if let Some(stamp) = newest.filter(|stamp| self.changed && self.is_due(*stamp)) {
             self.map(stamp, slam, &mut out);
         }
+        if let Some(stamp) = newest.filter(|stamp| self.costmap.is_due(*stamp)) {
+            self.costmap(stamp, slam, &mut out);
+        }
         out
     }
 
     /// The complete map and way, whatever was published before.
     pub fn finish(&mut self, slam: &ObjectSlam) -> Vec<(Stamp, Outgoing)> {
         let mut out = Vec::new();
-        if let Some(stamp) = self.way.newest() {
+        if let Some(stamp) = self.way.latest().map(|pose| pose.stamp) {
             let poses = self.way.poses(slam);
             out.push((stamp, Outgoing::Path(path(&poses, stamp, &self.map_frame))));
             self.map(stamp, slam, &mut out);
+            self.costmap(stamp, slam, &mut out);
         }
         out
     }
@@ -208,8 +237,24 @@ impl Publication {
         out.push((stamp, Outgoing::Markers(MarkerArray { markers })));
         out.push((stamp, Outgoing::Boxes(detections_3d(objects.iter().copied(), stamp, frame))));
         out.push((stamp, Outgoing::Objects(object_array(objects.iter().copied(), stamp, frame))));
+        if settings.object_frames {
+            let frames = object_frames(objects.iter().copied(), stamp, frame);
+            out.push((stamp, Outgoing::ObjectFrames(tf_message(&frames))));
+        }
+        self.costmap.note_change();
         self.published = Some((stamp, objects.len()));
         (self.shown, self.changed) = (now, false);
+    }
+
+    /// The ground that objects cover, if it has changed.
+    fn costmap(&mut self, stamp: Stamp, slam: &ObjectSlam, out: &mut Vec<(Stamp, Outgoing)>) {
+        if !self.settings.costmap {
+            return;
+        }
+        let floor_m = self.base(slam).map_or(0.0, |base| base.translation.z);
+        let at = (stamp, self.map_frame.as_str());
+        let costmap = self.costmap.next(slam.objects(), floor_m, &self.ground, at);
+        out.extend(costmap.map(|costmap| (stamp, Outgoing::Costmap(costmap))));
     }
 }
 

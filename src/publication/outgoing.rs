@@ -4,7 +4,7 @@ use crate::msg::{
     Message,
     cdr::{self, CdrError},
     ellipsoid_slam::{EllipsoidMeasurementArray, ObjectArray},
-    nav_msgs::{Odometry, Path},
+    nav_msgs::{OccupancyGrid, Odometry, Path},
     rtabmap_msgs::LandmarkDetections,
     sensor_msgs::Image,
     tf2_msgs::TFMessage,
@@ -27,6 +27,10 @@ pub enum OutputTopic {
     Boxes,
     /// All objects with all that is known of them.
     Objects,
+    /// The ground that objects cover.
+    Costmap,
+    /// Where a robot stands before the object that was asked for: the node's alone.
+    ApproachPose,
     /// What one image says.
     Measurements,
     /// The same as shapes.
@@ -39,13 +43,15 @@ pub enum OutputTopic {
 
 impl OutputTopic {
     /// All topics.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Transforms,
         Self::Odometry,
         Self::Path,
         Self::Markers,
         Self::Boxes,
         Self::Objects,
+        Self::Costmap,
+        Self::ApproachPose,
         Self::Measurements,
         Self::MeasurementMarkers,
         Self::Landmarks,
@@ -61,6 +67,8 @@ impl OutputTopic {
             Self::Markers => "~/markers",
             Self::Boxes => "~/objects",
             Self::Objects => "~/object_map",
+            Self::Costmap => "~/costmap",
+            Self::ApproachPose => "~/approach_pose",
             Self::Measurements => "~/measurements",
             Self::MeasurementMarkers => "~/measurement_markers",
             Self::Landmarks => "~/landmarks",
@@ -76,7 +84,15 @@ impl OutputTopic {
     /// Whether the latest message holds all there is: reliable and transient local with depth 1, so that who comes
     /// later gets it. The others are streams.
     pub fn is_latched(self) -> bool {
-        matches!(self, Self::Path | Self::Markers | Self::Boxes | Self::Objects)
+        matches!(
+            self,
+            Self::Path
+                | Self::Markers
+                | Self::Boxes
+                | Self::Objects
+                | Self::Costmap
+                | Self::ApproachPose
+        )
     }
 }
 
@@ -85,6 +101,8 @@ impl OutputTopic {
 pub enum Outgoing {
     /// For [`OutputTopic::Transforms`].
     Transforms(TFMessage),
+    /// For [`OutputTopic::Transforms`], too: a frame for each object.
+    ObjectFrames(TFMessage),
     /// For [`OutputTopic::Odometry`].
     Odometry(Box<Odometry>),
     /// For [`OutputTopic::Path`].
@@ -95,6 +113,8 @@ pub enum Outgoing {
     Boxes(Detection3DArray),
     /// For [`OutputTopic::Objects`].
     Objects(ObjectArray),
+    /// For [`OutputTopic::Costmap`].
+    Costmap(OccupancyGrid),
     /// For [`OutputTopic::Measurements`].
     Measurements(EllipsoidMeasurementArray),
     /// For [`OutputTopic::MeasurementMarkers`].
@@ -109,12 +129,13 @@ impl Outgoing {
     /// Where it goes.
     pub fn topic(&self) -> OutputTopic {
         match self {
-            Self::Transforms(_) => OutputTopic::Transforms,
+            Self::Transforms(_) | Self::ObjectFrames(_) => OutputTopic::Transforms,
             Self::Odometry(_) => OutputTopic::Odometry,
             Self::Path(_) => OutputTopic::Path,
             Self::Markers(_) => OutputTopic::Markers,
             Self::Boxes(_) => OutputTopic::Boxes,
             Self::Objects(_) => OutputTopic::Objects,
+            Self::Costmap(_) => OutputTopic::Costmap,
             Self::Measurements(_) => OutputTopic::Measurements,
             Self::MeasurementMarkers(_) => OutputTopic::MeasurementMarkers,
             Self::Landmarks(_) => OutputTopic::Landmarks,
@@ -131,12 +152,13 @@ impl Outgoing {
             Ok((M::TYPE, cdr::encode(message)?))
         }
         match self {
-            Self::Transforms(message) => of(message),
+            Self::Transforms(message) | Self::ObjectFrames(message) => of(message),
             Self::Odometry(message) => of(message.as_ref()),
             Self::Path(message) => of(message),
             Self::Markers(message) | Self::MeasurementMarkers(message) => of(message),
             Self::Boxes(message) => of(message),
             Self::Objects(message) => of(message),
+            Self::Costmap(message) => of(message),
             Self::Measurements(message) => of(message),
             Self::Landmarks(message) => of(message),
             Self::DebugImage(message) => of(message),

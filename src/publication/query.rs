@@ -54,7 +54,7 @@ pub fn query_objects(
     };
     found.retain(|object| {
         let labels = &request.labels;
-        (labels.is_empty() || labels.iter().any(|label| label == object.label()))
+        (labels.is_empty() || labels.iter().any(|label| object.is_called(label)))
             && object.existence() >= request.min_existence
             && is_in(&in_region, object)
             && is_in(&in_view, object)

@@ -51,8 +51,8 @@ impl Way {
         is_due
     }
 
-    pub(super) fn newest(&self) -> Option<Stamp> {
-        self.latest.map(|pose| pose.stamp)
+    pub(super) fn latest(&self) -> Option<&FramePose> {
+        self.latest.as_ref()
     }
 
     /// After all that is known now.

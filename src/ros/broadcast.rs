@@ -1,4 +1,4 @@
-//! `map → odom`, steadily.
+//! `map → odom` and the objects' frames, steadily.
 
 use super::{status::Shared, topic::send, transport::Publisher};
 use crate::{config::Parameters, msg::tf2_msgs::TFMessage};
@@ -8,8 +8,19 @@ use tokio::{
     time::{MissedTickBehavior, interval},
 };
 
+/// What is broadcast.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Broadcast {
+    /// `map → odom`.
+    pub(super) correction: Option<TFMessage>,
+    /// A frame for each object.
+    pub(super) objects: TFMessage,
+}
+
 /// Between two broadcasts.
 const PERIOD: Duration = Duration::from_millis(50);
+/// Objects whose frames come with each broadcast: those of more objects come more seldom.
+const OBJECTS_AT_ONCE: usize = 50;
 
 /// Broadcasts the newest correction with the stamp of the newest data, until it is cancelled.
 ///
@@ -17,22 +28,39 @@ const PERIOD: Duration = Duration::from_millis(50);
 /// would be refused as extrapolation (REP 105 has `map → odom` change slowly, so the old one holds on).
 pub(super) async fn broadcast(
     publisher: Publisher<TFMessage>,
-    correction: watch::Receiver<Option<TFMessage>>,
+    newest: watch::Receiver<Broadcast>,
     status: Shared,
     parameters: watch::Receiver<Parameters>,
 ) {
     let mut ticks = interval(PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    let mut next = 0;
     loop {
         ticks.tick().await;
-        if !parameters.borrow().node.publish_tf {
-            continue;
+        let (publish_tf, object_frames) = {
+            let node = &parameters.borrow().node;
+            (node.publish_tf, node.publish.object_frames)
+        };
+        let mut message = TFMessage::default();
+        {
+            let newest = newest.borrow();
+            if publish_tf && let Some(correction) = &newest.correction {
+                message.transforms.extend_from_slice(&correction.transforms);
+            }
+            let objects = &newest.objects.transforms;
+            if object_frames && !objects.is_empty() {
+                let count = objects.len().min(OBJECTS_AT_ONCE);
+                let turn = objects.iter().cycle().skip(next % objects.len()).take(count);
+                message.transforms.extend(turn.cloned());
+                next = (next + count) % objects.len();
+            }
         }
-        let newest = correction.borrow().clone();
-        let (Some(mut message), Some(stamp)) = (newest, status.lock().present) else { continue };
+        let Some(stamp) = status.lock().present else { continue };
         for transform in &mut message.transforms {
             transform.header.stamp = stamp.into();
         }
-        send(&publisher, message);
+        if !message.transforms.is_empty() {
+            send(&publisher, message);
+        }
     }
 }

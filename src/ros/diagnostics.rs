@@ -4,6 +4,7 @@ use super::{
     discovery,
     inbox::{Inbox, Overflow},
     problems::{Problem, Problems},
+    progress::Progress,
     status::{Shared, Status, now},
     subscriptions::Inputs,
     topic::send,
@@ -33,6 +34,7 @@ pub(super) struct Diagnostics {
     pub(super) status: Shared,
     pub(super) problems: Problems,
     pub(super) before: Counts,
+    pub(super) progress: Progress,
 }
 
 /// What had been counted the last time.
@@ -69,6 +71,11 @@ impl Diagnostics {
             }
             let found = self.look(now);
             self.problems.note(found, now);
+            {
+                let inputs = self.inputs.borrow();
+                let seen = (&inputs.listening[..], self.before.overflow.depth);
+                self.progress.say(seen, &self.status.lock(), now);
+            }
             let array = self.report(now);
             send(&self.publisher, array);
         }

@@ -1,7 +1,7 @@
 //! The node's life: it starts, runs until a signal, and leaves in order.
 
 use super::{
-    broadcast::broadcast,
+    broadcast::{Broadcast, broadcast},
     clock,
     color::ColorImages,
     detecting::{Detecting, NewestImage},
@@ -15,6 +15,7 @@ use super::{
     parameters::Live,
     perceiver::Perceiver,
     problems::Problems,
+    progress::Progress,
     qos,
     rosout::LogLines,
     services::{Orders, serve_map},
@@ -173,7 +174,7 @@ impl Start<'_> {
         let inbox = Arc::new(Inbox::new(MOST_DEPTH));
         let jobs = Arc::new(Jobs::default());
         let live = Live::new(parameters.clone(), Arc::clone(&inbox), Arc::clone(&jobs));
-        let (correction, corrected) = watch::channel(None);
+        let (correction, corrected) = watch::channel(Broadcast::default());
         let color = ColorImages::default();
         let own = parameters.node.clone();
         let front_end = FrontEnd::new(parameters.slam.clone());
@@ -199,6 +200,7 @@ impl Start<'_> {
             known,
             status: status.clone(),
             map_frame: own.map_frame.clone(),
+            parameters: live.watch(),
         };
         serve_map(&mut self.node, arguments, &orders, self.tasks)?;
         if own.use_sim_time {
@@ -268,6 +270,7 @@ impl Start<'_> {
             status: sinks.status.clone(),
             problems: Problems::default(),
             before: Counts::default(),
+            progress: Progress::default(),
         };
         self.tasks.spawn_local(diagnostics.run());
         Ok(())

@@ -1,6 +1,7 @@
 //! From updates to topics.
 
 use super::{
+    broadcast::Broadcast,
     color::ColorImages,
     node::NotCreated,
     qos,
@@ -8,21 +9,21 @@ use super::{
     transport::{Node, Publisher},
 };
 use crate::{
-    config::{NodeSettings, PublishSettings, RosArguments},
+    config::{NodeSettings, RosArguments},
+    geometry::Pose,
     mapping::MapObject,
     msg::{
         Message,
         convert::{color_image_message, header},
         ellipsoid_slam::{EllipsoidMeasurementArray, ObjectArray},
-        nav_msgs::{Odometry, Path},
+        nav_msgs::{OccupancyGrid, Odometry, Path},
         rtabmap_msgs::LandmarkDetections,
         sensor_msgs::Image,
-        tf2_msgs::TFMessage,
         vision_msgs::Detection3DArray,
         visualization_msgs::MarkerArray,
     },
     pipeline::{Input, Keyframe, ObjectSlam, Update},
-    publication::{Outgoing, OutputTopic, Publication, View, draw_debug_image},
+    publication::{Outgoing, OutputTopic, Publication, View, Whereabouts, draw_debug_image},
     time::Stamp,
 };
 use tokio::sync::watch;
@@ -40,17 +41,19 @@ pub(super) struct Outputs {
 pub(super) struct Known {
     pub(super) objects: Vec<MapObject>,
     pub(super) view: Option<View>,
+    pub(super) whereabouts: Whereabouts,
 }
 
 /// Where messages go.
 struct Topics {
     /// `map -> odom` is said steadily, so that it is there when somebody asks: by `broadcast.rs`.
-    transforms: watch::Sender<Option<TFMessage>>,
+    transforms: watch::Sender<Broadcast>,
     odometry: Publisher<Odometry>,
     path: Latched<Path>,
     markers: Latched<MarkerArray>,
     boxes: Latched<Detection3DArray>,
     objects: Latched<ObjectArray>,
+    costmap: Latched<OccupancyGrid>,
     measurements: Publisher<EllipsoidMeasurementArray>,
     measurement_markers: Publisher<MarkerArray>,
     landmarks: Publisher<LandmarkDetections>,
@@ -62,11 +65,11 @@ impl Outputs {
         node: &mut Node,
         arguments: &RosArguments,
         settings: &NodeSettings,
-        transforms: watch::Sender<Option<TFMessage>>,
+        transforms: watch::Sender<Broadcast>,
         color: ColorImages,
     ) -> Result<Self, NotCreated> {
         Ok(Self {
-            publication: Publication::new(settings.publish, &settings.map_frame),
+            publication: Publication::new(settings),
             topics: Topics::create(node, arguments, transforms)?,
             color,
             draws: settings.publish.debug_image,
@@ -79,7 +82,7 @@ impl Outputs {
     }
 
     /// From now on.
-    pub(super) fn change_settings(&mut self, settings: PublishSettings) {
+    pub(super) fn change_settings(&mut self, settings: &NodeSettings) {
         self.publication.change_settings(settings);
     }
 
@@ -102,14 +105,30 @@ impl Outputs {
 
     /// Another map takes the place of the one before.
     pub(super) fn reset(&mut self, stamp: Stamp, slam: &ObjectSlam) {
-        self.topics.transforms.send_replace(None);
+        self.topics.transforms.send_replace(Broadcast::default());
         let messages = self.publication.reset(stamp, slam);
+        self.topics.send_all(messages);
+    }
+
+    /// Publishes the map that somebody has edited.
+    pub(super) fn edited(&mut self, stamp: Stamp, slam: &ObjectSlam) {
+        let messages = self.publication.edited(stamp, slam);
         self.topics.send_all(messages);
     }
 
     /// What services tell of the map as it is now.
     pub(super) fn known(&self, slam: &ObjectSlam) -> Known {
-        Known { objects: slam.objects().cloned().collect(), view: self.publication.view().cloned() }
+        let walls = slam.map().wall_ends().collect();
+        Known {
+            objects: slam.objects().cloned().collect(),
+            view: self.publication.view().cloned(),
+            whereabouts: Whereabouts { base: self.publication.base(slam), walls },
+        }
+    }
+
+    /// Where the base is in the map as it is now.
+    pub(super) fn base(&self, slam: &ObjectSlam) -> Option<Pose> {
+        self.publication.base(slam)
     }
 
     fn draw(&mut self, keyframe: &Keyframe, slam: &ObjectSlam) {
@@ -128,7 +147,7 @@ impl Topics {
     fn create(
         node: &mut Node,
         arguments: &RosArguments,
-        transforms: watch::Sender<Option<TFMessage>>,
+        transforms: watch::Sender<Broadcast>,
     ) -> Result<Self, NotCreated> {
         let mut on = On { node, arguments };
         Ok(Self {
@@ -138,6 +157,7 @@ impl Topics {
             markers: on.latched(OutputTopic::Markers)?,
             boxes: on.latched(OutputTopic::Boxes)?,
             objects: on.latched(OutputTopic::Objects)?,
+            costmap: on.latched(OutputTopic::Costmap)?,
             measurements: on.stream(OutputTopic::Measurements)?,
             measurement_markers: on.stream(OutputTopic::MeasurementMarkers)?,
             landmarks: on.stream(OutputTopic::Landmarks)?,
@@ -153,18 +173,23 @@ impl Topics {
         self.markers.send_waiting();
         self.boxes.send_waiting();
         self.objects.send_waiting();
+        self.costmap.send_waiting();
     }
 
     fn send(&mut self, message: Outgoing) {
         match message {
             Outgoing::Transforms(message) => {
-                self.transforms.send_replace(Some(message));
+                self.transforms.send_modify(|all| all.correction = Some(message));
+            }
+            Outgoing::ObjectFrames(message) => {
+                self.transforms.send_modify(|all| all.objects = message);
             }
             Outgoing::Odometry(message) => send(&self.odometry, *message),
             Outgoing::Path(message) => self.path.send(message),
             Outgoing::Markers(message) => self.markers.send(message),
             Outgoing::Boxes(message) => self.boxes.send(message),
             Outgoing::Objects(message) => self.objects.send(message),
+            Outgoing::Costmap(message) => self.costmap.send(message),
             Outgoing::Measurements(message) => send(&self.measurements, message),
             Outgoing::MeasurementMarkers(message) => send(&self.measurement_markers, message),
             Outgoing::Landmarks(message) => send(&self.landmarks, message),

@@ -19,7 +19,7 @@ pub struct UnmatchedRemap {
 }
 
 /// Names of services, and of topics that every node has.
-const OTHERS: [&str; 17] = [
+const OTHERS: [&str; 22] = [
     "/tf",
     "/tf_static",
     "/clock",
@@ -31,6 +31,11 @@ const OTHERS: [&str; 17] = [
     "~/save_map",
     "~/load_map",
     "~/query_objects",
+    "~/approach_object",
+    "~/rename_object",
+    "~/delete_object",
+    "~/lock_object",
+    "~/add_object",
     "~/get_parameters",
     "~/get_parameter_types",
     "~/list_parameters",

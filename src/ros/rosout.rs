@@ -37,14 +37,12 @@ const MOST_LINES: usize = 100;
 impl<S: Subscriber> Layer<S> for LogLayer {
     fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
         let about = event.metadata();
-        let mut text = Text::default();
-        event.record(&mut text);
         let line = Log {
             stamp: Time::from_nanos(system_time().as_nanos()),
             level: level(*about.level()) as u8,
             // The node's name comes when it is published.
             name: String::new(),
-            msg: text.0,
+            msg: said(event),
             file: about.file().unwrap_or_default().to_owned(),
             function: about.target().to_owned(),
             line: about.line().unwrap_or_default(),
@@ -64,6 +62,12 @@ fn level(level: Level) -> LogLevel {
 }
 
 /// The words of an event.
+pub(super) fn said(event: &Event<'_>) -> String {
+    let mut text = Text::default();
+    event.record(&mut text);
+    text.0
+}
+
 #[derive(Default)]
 struct Text(String);
 

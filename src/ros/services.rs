@@ -4,13 +4,14 @@ use super::{
     inbox::Inbox,
     jobs::Jobs,
     node::NotCreated,
+    object_services::serve_objects,
     outputs::Known,
     status::Shared,
     transport::{Node, Server},
     worker::{Command, MapFiles},
 };
 use crate::{
-    config::RosArguments,
+    config::{Parameters, RosArguments},
     msg::{
         Service,
         cdr::encoded_len,
@@ -37,6 +38,7 @@ pub(super) struct Orders {
     pub(super) known: watch::Receiver<Arc<Known>>,
     pub(super) status: Shared,
     pub(super) map_frame: String,
+    pub(super) parameters: watch::Receiver<Parameters>,
 }
 
 /// Starts the services of the map.
@@ -83,12 +85,13 @@ pub(super) fn serve_map(
         let known = on.known.borrow().clone();
         let header = (on.status.present(), on.map_frame.as_str());
         ready(query_objects(&request, &known.objects[..], known.view.as_ref(), header))
-    })
+    })?;
+    serve_objects(node, arguments, orders, tasks)
 }
 
 impl Orders {
     /// Gives the worker an order, and waits until it has done it.
-    fn ask<T>(&self, order: impl FnOnce(oneshot::Sender<T>) -> Command) -> Done<T> {
+    pub(super) fn ask<T>(&self, order: impl FnOnce(oneshot::Sender<T>) -> Command) -> Done<T> {
         let (answer, done) = oneshot::channel();
         self.jobs.order(order(answer));
         Done(done)
@@ -119,11 +122,11 @@ impl Orders {
 }
 
 /// What the worker will have done.
-struct Done<T>(oneshot::Receiver<T>);
+pub(super) struct Done<T>(oneshot::Receiver<T>);
 
 impl<T> Done<T> {
     /// Waits for it.
-    async fn get(self) -> Result<T, String> {
+    pub(super) async fn get(self) -> Result<T, String> {
         self.0.await.map_err(|_| STOPPING.to_owned())
     }
 }

@@ -59,6 +59,7 @@ pub(super) struct Jump {
 #[derive(Clone, Debug, Default)]
 pub(super) struct InputStatus {
     pub(super) received: u64,
+    pub(super) first: Option<Instant>,
     pub(super) latest: Option<Instant>,
     pub(super) stamp: Option<Stamp>,
 }
@@ -84,6 +85,7 @@ impl Shared {
         let input = status.inputs.entry(topic.to_owned()).or_default();
         input.received += 1;
         input.latest = Some(now());
+        input.first = input.first.or(input.latest);
         input.stamp = stamp;
     }
 

@@ -4,12 +4,13 @@ use super::{
     jobs::{Jobs, Next},
     outputs::{Known, Outputs},
     perceiver::Job,
+    progress::announce,
     status::{Shared, now},
 };
 use crate::{
     config::Parameters,
     geometry::Pose,
-    mapping::SavedMap,
+    mapping::{Edit, ObjectId, SavedMap},
     pipeline::{MapsToSave, ObjectSlam, Update},
 };
 use std::{sync::Arc, time::Duration};
@@ -28,6 +29,8 @@ pub(super) enum Command {
     Maps(oneshot::Sender<MapsToSave>),
     /// Put a map in place of this one.
     Begin(SavedMap, Answer),
+    /// Change an object.
+    Edit(Edit, oneshot::Sender<Result<ObjectId, String>>),
     /// Parameters changed.
     Settings(Box<Parameters>),
 }
@@ -75,10 +78,15 @@ impl Worker {
                 Next::Work(Job::Join(perceived, perceiving)) => {
                     let started = now();
                     let update = self.slam.join(perceived, &mut ());
+                    announce(&update, &self.slam);
                     self.outputs.publish(&update, &self.slam);
                     self.status.worked(&update, &self.slam, perceiving + (now() - started));
                     if !update.keyframes.is_empty() {
-                        self.known.send_replace(Arc::new(self.outputs.known(&self.slam)));
+                        self.tell();
+                    } else if !update.poses.is_empty() {
+                        let base = self.outputs.base(&self.slam);
+                        self.known
+                            .send_modify(|known| Arc::make_mut(known).whereabouts.base = base);
                     }
                 }
             }
@@ -112,8 +120,12 @@ impl Worker {
                 self.begin_with(saved, None);
                 (answer, Ok(String::new()))
             }
+            Command::Edit(edit, answer) => {
+                let _ = answer.send(self.edit(&edit));
+                return;
+            }
             Command::Settings(parameters) => {
-                self.outputs.change_settings(parameters.node.publish);
+                self.outputs.change_settings(&parameters.node);
                 self.slam.change_settings(parameters.slam.clone());
                 self.parameters = *parameters;
                 return;
@@ -121,6 +133,21 @@ impl Worker {
         };
         // Who asked may have gone away: that is no concern of the map.
         let _ = answer.send(outcome);
+    }
+
+    fn edit(&mut self, edit: &Edit) -> Result<ObjectId, String> {
+        let now = self.status.present();
+        let id = self.slam.edit(edit, now).map_err(|why| why.to_string())?;
+        tracing::info!("object {id} {edit}");
+        self.outputs.edited(now, &self.slam);
+        self.status.worked(&Update::default(), &self.slam, Duration::ZERO);
+        self.tell();
+        Ok(id)
+    }
+
+    /// Lets services know the map as it is now.
+    fn tell(&self) {
+        self.known.send_replace(Arc::new(self.outputs.known(&self.slam)));
     }
 
     fn reset(&mut self) -> Result<String, String> {
@@ -138,7 +165,7 @@ impl Worker {
     fn begin(&mut self, slam: ObjectSlam) {
         self.slam = slam;
         self.outputs.reset(self.status.present(), &self.slam);
-        self.known.send_replace(Arc::new(self.outputs.known(&self.slam)));
+        self.tell();
         self.status.worked(&Update::default(), &self.slam, Duration::ZERO);
     }
 }

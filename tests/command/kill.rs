@@ -24,6 +24,8 @@ fn map(objects: u64) -> SavedMap {
     let object = |id| SavedObject {
         id,
         label: "chair".into(),
+        name: None,
+        locked: false,
         labels: BTreeMap::from([("chair".into(), 1.0)]),
         existence: 0.9,
         observations: 3,

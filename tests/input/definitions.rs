@@ -70,7 +70,7 @@ fn structs_mirror_their_definitions_field_by_field() {
         geometry_msgs: Point Vector3 Quaternion Pose PoseStamped PoseWithCovariance Twist
             TwistWithCovariance Transform TransformStamped;
         sensor_msgs: Image CompressedImage RegionOfInterest CameraInfo PointField PointCloud2;
-        nav_msgs: Odometry Path;
+        nav_msgs: MapMetaData OccupancyGrid Odometry Path;
         tf2_msgs: TFMessage;
         vision_msgs: Point2D Pose2D BoundingBox2D BoundingBox3D ObjectHypothesis ObjectHypothesisWithPose
             Detection2D Detection2DArray Detection3D Detection3DArray;
@@ -93,6 +93,11 @@ fn services_mirror_their_definitions_field_by_field() {
     check::<own::SaveMap>(&read::<own::SaveMap>());
     check::<own::LoadMap>(&read::<own::LoadMap>());
     check::<own::QueryObjects>(&read::<own::QueryObjects>());
+    check::<own::ApproachObject>(&read::<own::ApproachObject>());
+    check::<own::RenameObject>(&read::<own::RenameObject>());
+    check::<own::DeleteObject>(&read::<own::DeleteObject>());
+    check::<own::LockObject>(&read::<own::LockObject>());
+    check::<own::AddObject>(&read::<own::AddObject>());
     check::<std_srvs::SetBool>("bool data\n---\nbool success\nstring message\n");
     // What the generators make of a request without fields.
     let request = "uint8 structure_needs_at_least_one_member";
@@ -101,12 +106,13 @@ fn services_mirror_their_definitions_field_by_field() {
 
 #[test]
 fn an_object_is_laid_out_as_its_definition_says() {
-    let mut object = own::Object { id: 7, label: "cup".into(), ..own::Object::default() };
+    let (label, name) = ("cup".to_owned(), "mug".to_owned());
+    let mut object = own::Object { id: 7, label, name, locked: true, ..own::Object::default() };
     (object.observations, object.outline, object.support_height) = (3, own::Object::CYLINDER, 0.75);
     object.covariance[0][1] = 0.5;
     let bytes = cdr::encode(&object).unwrap();
-    // id 8, label 4 + 4, labels 4, padding 4, existence 8, observations 4, times 16, padding 4, pose 56, semi-axes 24.
-    let covariance = 4 + 8 + 8 + 4 + 4 + 8 + 4 + 16 + 4 + 56 + 24;
+    // id 8, label 4 + 4, name 4 + 4, locked 1, padding 3, labels 4, existence 8, observations 4, times 16, padding 4, pose 56, semi-axes 24.
+    let covariance = 4 + 8 + 8 + 8 + 4 + 4 + 8 + 4 + 16 + 4 + 56 + 24;
     assert_eq!(bytes[covariance + 8..covariance + 16], 0.5_f64.to_le_bytes());
     let outline = covariance + 81 * 8;
     assert_eq!(bytes[outline], own::Object::CYLINDER);

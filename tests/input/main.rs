@@ -22,5 +22,6 @@ mod onnx;
 mod poses;
 mod publication;
 mod replay;
+mod robot;
 mod roles;
 mod sqlite;

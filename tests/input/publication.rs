@@ -1,7 +1,7 @@
 //! What is published, where that needs no map.
 
 use ellipsoid_slam::{
-    config::PublishSettings,
+    config::NodeSettings,
     geometry::{Camera, Distortion, Ellipsoid, Outline, Pose},
     io::{BagInput, BagWriter},
     mapping::{MappingSettings, ObjectId, ObjectMap, SlamSettings},
@@ -197,7 +197,7 @@ fn a_long_drive_fits_into_a_small_bag() {
     const HOURS: f64 = 2.0;
     const MOST_BYTES: u64 = 100_000_000;
     let slam = ObjectSlam::new(Settings::default());
-    let mut publication = Publication::new(PublishSettings::default(), "map");
+    let mut publication = Publication::new(&NodeSettings::default());
     let mut room = Room::default();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.mcap");

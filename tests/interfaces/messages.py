@@ -3,10 +3,10 @@
 import math
 
 from ellipsoid_slam.msg import EllipsoidMeasurement, EllipsoidMeasurementArray, LabelBelief, Object, ObjectArray
-from ellipsoid_slam.srv import LoadMap, QueryObjects, SaveMap
+from ellipsoid_slam.srv import AddObject, ApproachObject, DeleteObject, LoadMap, LockObject, QueryObjects, RenameObject, SaveMap
 from rclpy.serialization import deserialize_message, serialize_message
 
-cup = Object(id=7, label="cup", existence=0.9, observations=3, outline=Object.CYLINDER, support_height=math.inf)
+cup = Object(id=7, label="cup", name="mug", locked=True, existence=0.9, observations=3, outline=Object.CYLINDER, support_height=math.inf)
 cup.labels = [LabelBelief(label="cup", probability=0.75), LabelBelief(label="bowl", probability=0.25)]
 cup.pose.position.x, cup.semi_axes.z, cup.covariance[10] = 1.5, 0.05, 0.25
 objects = ObjectArray(objects=[cup])
@@ -21,6 +21,11 @@ for message in [
     QueryObjects.Response(success=True, ids=[7, 9]),
     SaveMap.Request(path="/tmp/map.json"),
     LoadMap.Response(success=True, objects=7),
+    ApproachObject.Request(label="chair", distance=0.5),
+    RenameObject.Request(id=7, name="mug"),
+    LockObject.Request(id=7, locked=True),
+    DeleteObject.Request(id=7),
+    AddObject.Request(label="chair"),
 ]:
     again = deserialize_message(serialize_message(message), type(message))
     assert again == message, (again, message)

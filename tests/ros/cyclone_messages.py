@@ -236,3 +236,74 @@ class LoadMapResponse(IdlStruct, typename=f"{SERVICES}LoadMap_Response_"):
     success: bool
     message: str
     objects: types.uint32
+
+
+@dataclass
+class PoseStamped(IdlStruct, typename="geometry_msgs::msg::dds_::PoseStamped_"):
+    header: Header
+    pose: Pose
+
+
+@dataclass
+class ApproachObjectRequest(IdlStruct, typename=f"{SERVICES}ApproachObject_Request_"):
+    id: types.uint64 = 0
+    label: str = ""
+    distance: types.float64 = 0.0
+
+
+@dataclass
+class ApproachObjectResponse(IdlStruct, typename=f"{SERVICES}ApproachObject_Response_"):
+    success: bool
+    message: str
+    id: types.uint64
+    pose: PoseStamped
+
+
+@dataclass
+class RenameObjectRequest(IdlStruct, typename=f"{SERVICES}RenameObject_Request_"):
+    id: types.uint64
+    name: str
+
+
+@dataclass
+class RenameObjectResponse(IdlStruct, typename=f"{SERVICES}RenameObject_Response_"):
+    success: bool
+    message: str
+
+
+@dataclass
+class DeleteObjectRequest(IdlStruct, typename=f"{SERVICES}DeleteObject_Request_"):
+    id: types.uint64
+
+
+@dataclass
+class DeleteObjectResponse(IdlStruct, typename=f"{SERVICES}DeleteObject_Response_"):
+    success: bool
+    message: str
+
+
+@dataclass
+class LockObjectRequest(IdlStruct, typename=f"{SERVICES}LockObject_Request_"):
+    id: types.uint64
+    locked: bool
+
+
+@dataclass
+class LockObjectResponse(IdlStruct, typename=f"{SERVICES}LockObject_Response_"):
+    success: bool
+    message: str
+
+
+@dataclass
+class AddObjectRequest(IdlStruct, typename=f"{SERVICES}AddObject_Request_"):
+    label: str
+    pose: PoseStamped
+    size: Vector3
+    locked: bool
+
+
+@dataclass
+class AddObjectResponse(IdlStruct, typename=f"{SERVICES}AddObject_Response_"):
+    success: bool
+    message: str
+    id: types.uint64

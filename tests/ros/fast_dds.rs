@@ -19,7 +19,7 @@ fn a_played_bag_gives_rclpy_the_objects_of_a_replay() {
     let reliable = ["depth", "camera_info", "odometry", "detections"]
         .map(|topic| format!("qos.{topic}:=reliable"));
     let mut args: Vec<&str> = BAG_TOPICS.to_vec();
-    args.extend(["-p", "map.save_on_shutdown:=true", "-p", &save]);
+    args.extend(["-p", "map.save_on_shutdown:=true", "-p", &save, "-p", "publish.costmap:=true"]);
     args.extend(reliable.iter().flat_map(|qos| ["-p", qos.as_str()]));
     let mut node = stage.node(&args);
     node.wait_for("runs in domain");

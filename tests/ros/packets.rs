@@ -18,7 +18,8 @@ const PACKETS_PER_MS: u64 = 12;
 fn packets_that_claim_much_and_random_ones_leave_the_node_and_its_objects_as_they_are() {
     let stage = Stage::new();
     let maps = format!("map.directory:={}", stage.path(""));
-    let node = stage.node(&[&BAG_TOPICS[..], &["-p", &maps]].concat());
+    let node = stage
+        .node(&[&BAG_TOPICS[..], &["-p", &maps, "-p", "publish.object_frames:=true"]].concat());
     node.wait_for("runs in domain");
     succeeded(
         &stage.program(&["play", BAG, "--rate", "4", "--wait", "60"]).output().unwrap(),

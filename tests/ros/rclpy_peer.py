@@ -10,7 +10,7 @@ import time
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from marker_summary import summary
-from nav_msgs.msg import Path
+from nav_msgs.msg import OccupancyGrid, Path
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -75,6 +75,24 @@ def is_whole(array):
 
 # This subscriber comes late: all images are through.
 markers = Latest(MarkerArray, f"{NODE}/markers", latched=True).wait(is_whole)
+
+
+def cell(grid, x, y):
+    """As any reader of a costmap computes it."""
+    origin = grid.info.origin.position
+    column, row = ((v - low) // grid.info.resolution for v, low in ((x, origin.x), (y, origin.y)))
+    inside = 0 <= column < grid.info.width and 0 <= row < grid.info.height
+    return grid.data[int(row) * grid.info.width + int(column)] if inside else None
+
+
+def covers_all(grid):
+    assert grid.header.frame_id == "map" and len(grid.data) == grid.info.width * grid.info.height, grid.info
+    assert set(grid.data) <= {-1, 100}
+    centres = [m.pose.position for m in markers.markers if m.ns == "objects" and m.action == Marker.ADD]
+    return all(cell(grid, at.x, at.y) == 100 for at in centres)
+
+
+Latest(OccupancyGrid, f"{NODE}/costmap", latched=True).wait(covers_all)
 path = Latest(Path, f"{NODE}/path", latched=True).wait(lambda path: len(path.poses) > 5)
 assert path.header.frame_id == "map"
 with open(sys.argv[1], "w") as file:

@@ -5,16 +5,18 @@ use crate::processes::{BAG, BAG_TOPICS, Stage, succeeded};
 const PLAY: [&str; 6] = ["play", BAG, "--rate", "2", "--wait", "60"];
 
 #[test]
-fn cyclone_dds_looks_objects_up_and_saves_and_loads_the_map() {
+fn cyclone_dds_looks_objects_up_edits_them_and_saves_and_loads_the_map() {
     let stage = Stage::new();
     let maps = format!("map.directory:={}", stage.path(""));
-    let mut node = stage.node(&[&BAG_TOPICS[..], &["-p", &maps]].concat());
+    let frames = ["-p", "publish.object_frames:=true"];
+    let mut node = stage.node(&[&BAG_TOPICS[..], &["-p", &maps], &frames].concat());
     node.wait_for("runs in domain");
     succeeded(&stage.program(&PLAY).output().unwrap(), &node);
     let map = stage.path("map.json");
     let peer = stage.peer("cyclone_services.py", &[&map]).output().unwrap();
     succeeded(&peer, &node);
     assert!(node.stop("TERM").success(), "{}", node.log());
+    check_log(&node.log());
 
     // Another node begins with this map, and does not begin with what is none.
     let file = format!("map.file:={map}");
@@ -81,6 +83,27 @@ fn a_reset_map_is_empty_and_its_markers_are_deleted() {
     let _player = stage.start(stage.program(&["play", BAG, "--loop", "--wait", "60"]), "player");
     let peer = stage.peer("rclpy_reset.py", &[]).output().unwrap();
     succeeded(&peer, &node);
+}
+
+/// Each line has ROS's form and no colours, and what works is said once.
+fn check_log(log: &str) {
+    let in_form = |line: &&str| {
+        let parts = line.split_once("] [").and_then(|(severity, rest)| {
+            let (stamp, rest) = rest.split_once("] [ellipsoid_slam]: ")?;
+            let (seconds, nanos) = stamp.split_once('.')?;
+            let is_stamp = seconds.parse::<u64>().is_ok() && nanos.len() == 9;
+            Some((severity, is_stamp && !rest.is_empty()))
+        });
+        matches!(parts, Some(("[DEBUG" | "[INFO" | "[WARN" | "[ERROR", true)))
+    };
+    for line in log.lines() {
+        assert!(in_form(&line) && !line.contains('\x1b'), "{line}");
+    }
+    let new: Vec<&str> = log.lines().filter(|line| line.contains("]: new: ")).collect();
+    assert!(new.len() >= 5, "{log}");
+    assert_eq!(new.len(), new.iter().collect::<std::collections::BTreeSet<_>>().len(), "{log}");
+    let rates = log.lines().filter(|line| line.contains("all inputs come: "));
+    assert_eq!(rates.count(), 1, "{log}");
 }
 
 /// The robot is switched on somewhere else: odometry starts at zero there.

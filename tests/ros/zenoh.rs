@@ -151,12 +151,14 @@ fn hashes_of_types_are_those_of_ros_2() {
     }
 }
 
-const MESSAGES: [&str; 20] = [
+const MESSAGES: [&str; 22] = [
     "builtin_interfaces/msg/Time",
     "diagnostic_msgs/msg/DiagnosticArray",
     "ellipsoid_slam/msg/EllipsoidMeasurementArray",
     "ellipsoid_slam/msg/ObjectArray",
+    "geometry_msgs/msg/PoseStamped",
     "geometry_msgs/msg/TransformStamped",
+    "nav_msgs/msg/OccupancyGrid",
     "nav_msgs/msg/Odometry",
     "nav_msgs/msg/Path",
     "rcl_interfaces/msg/Log",
@@ -173,9 +175,14 @@ const MESSAGES: [&str; 20] = [
     "visualization_msgs/msg/MarkerArray",
     "yolo_msgs/msg/DetectionArray",
 ];
-const SERVICES: [&str; 11] = [
+const SERVICES: [&str; 16] = [
+    "ellipsoid_slam/srv/AddObject",
+    "ellipsoid_slam/srv/ApproachObject",
+    "ellipsoid_slam/srv/DeleteObject",
     "ellipsoid_slam/srv/LoadMap",
+    "ellipsoid_slam/srv/LockObject",
     "ellipsoid_slam/srv/QueryObjects",
+    "ellipsoid_slam/srv/RenameObject",
     "ellipsoid_slam/srv/SaveMap",
     "rcl_interfaces/srv/DescribeParameters",
     "rcl_interfaces/srv/GetParameters",

@@ -51,7 +51,7 @@ pub fn object_markers<'a>(
             let shape = solid("cuboids", Marker::CUBE, &ellipsoid, with_alpha(color, 0.25));
             markers.push(Marker { header: body.header.clone(), id: body.id, ..shape });
         }
-        let text = format!("{} {}", object.label(), object.id);
+        let text = format!("{} {}", object.name(), object.id);
         let name = Name::above(&ellipsoid, &text, &names);
         let mut above = body.pose;
         above.position.z = name.at.z;

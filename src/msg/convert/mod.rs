@@ -32,11 +32,11 @@ pub use markers::{
     ObjectShapes, color_of, deletion_markers, measurement_markers, object_markers, outlined,
 };
 pub use measurements::{landmark_detections, measurement_array};
-pub use objects::{boxes_3d, detections_3d, object_array, path};
+pub use objects::{boxes_3d, detections_3d, object_array, occupancy_grid, path};
 pub use points::point_cloud;
 pub use pose::{
-    odometry, odometry_message, pose_covariance, pose_message, tf_message, transform_message,
-    transforms,
+    odometry, odometry_message, pose_covariance, pose_from_message, pose_message, tf_message,
+    transform_message, transforms,
 };
 
 use crate::{

@@ -2,12 +2,12 @@
 
 use super::{header, pose_covariance, pose_message};
 use crate::{
-    geometry::{OrientedBox, Outline, Pose},
+    geometry::{GroundGrid, OrientedBox, Outline, Pose},
     mapping::MapObject,
     msg::{
         ellipsoid_slam::{LabelBelief, Object, ObjectArray},
-        geometry_msgs::{PoseStamped, PoseWithCovariance, Vector3},
-        nav_msgs::Path,
+        geometry_msgs::{self, PoseStamped, PoseWithCovariance, Vector3},
+        nav_msgs::{MapMetaData, OccupancyGrid, Path},
         vision_msgs::{
             BoundingBox3D, Detection3D, Detection3DArray, ObjectHypothesis,
             ObjectHypothesisWithPose,
@@ -42,6 +42,8 @@ fn object_message(object: &MapObject) -> Object {
     Object {
         id: object.id.0,
         label: object.label().to_owned(),
+        name: object.name().to_owned(),
+        locked: object.is_locked(),
         labels: labels.map(|(label, probability)| LabelBelief { label, probability }).collect(),
         existence: object.existence(),
         observations: object.observations,
@@ -130,4 +132,25 @@ pub fn path(poses: &[(Stamp, Pose)], stamp: Stamp, frame_id: &str) -> Path {
         .map(|(at, pose)| PoseStamped { header: header(*at, frame_id), pose: pose_message(pose) })
         .collect();
     Path { header: header(stamp, frame_id), poses }
+}
+
+/// Covered cells as occupied ones. Of the others nothing is known: where there is no object there may be anything else.
+pub fn occupancy_grid(grid: &GroundGrid, stamp: Stamp, frame_id: &str) -> OccupancyGrid {
+    let mut origin = geometry_msgs::Pose::default();
+    (origin.position.x, origin.position.y) = (grid.origin.x, grid.origin.y);
+    let cell = |covered: &bool| match covered {
+        true => OccupancyGrid::OCCUPIED,
+        false => OccupancyGrid::UNKNOWN,
+    };
+    OccupancyGrid {
+        header: header(stamp, frame_id),
+        info: MapMetaData {
+            map_load_time: stamp.into(),
+            resolution: grid.cell_m as f32,
+            width: u32::try_from(grid.width).unwrap_or(u32::MAX),
+            height: u32::try_from(grid.height).unwrap_or(u32::MAX),
+            origin,
+        },
+        data: grid.covered.iter().map(cell).collect(),
+    }
 }

@@ -112,6 +112,12 @@ pub fn pose_covariance(pose: &Pose, own: &Matrix6<f64>) -> [[f64; 6]; 6] {
     std::array::from_fn(|i| std::array::from_fn(|j| blocks[i / 3][j / 3][(i % 3, j % 3)]))
 }
 
+/// A pose from the wire; nothing where a number is not finite or the quaternion has no length.
+pub fn pose_from_message(message: &geometry::Pose) -> Option<Pose> {
+    let p = message.position;
+    pose([p.x, p.y, p.z], message.orientation)
+}
+
 /// A pose from its parts; the quaternion may have any length but zero.
 fn pose(position: [f64; 3], q: geometry::Quaternion) -> Option<Pose> {
     let quaternion = nalgebra::Quaternion::new(q.w, q.x, q.y, q.z);

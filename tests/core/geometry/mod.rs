@@ -3,6 +3,7 @@
 mod camera;
 mod dual_quadric;
 mod ellipsoid;
+mod ground;
 mod outline;
 mod overlap;
 mod plane;

@@ -7,8 +7,8 @@ use super::{
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Ellipsoid, Pose, Rect},
     mapping::{
-        LifeSettings, MappingSettings, Notice, ObjectChange, ObjectId, ObjectMap, ObjectState,
-        Observation, Sighted,
+        Edit, LifeSettings, MappingSettings, Notice, ObjectChange, ObjectId, ObjectMap,
+        ObjectState, Observation, Sighted,
     },
     perception::DepthImage,
     time::Stamp,
@@ -124,6 +124,20 @@ fn what_was_carried_away_is_gone_within_five_looks() {
     let changes: Vec<_> = (0..5).flat_map(|_| room.look(&[], &[])).collect();
     assert_eq!(changes, [ObjectChange::Removed(ObjectId(1))]);
     assert_eq!(room.map.all().len(), 0);
+}
+
+#[test]
+fn what_is_locked_stays_however_long_one_looks_through_its_place() {
+    let mut room = Room::new(LifeSettings::default());
+    room.with_cabinet();
+    let before = room.map.all()[0].existence();
+    room.map.edit(&Edit::Lock(ObjectId(1), true), Stamp::default()).unwrap();
+    let changes: Vec<_> = (0..40).flat_map(|_| room.look(&[], &[])).collect();
+    assert_eq!(changes, []);
+    assert_eq!(room.map.all()[0].existence(), before);
+    room.map.edit(&Edit::Lock(ObjectId(1), false), Stamp::default()).unwrap();
+    let changes: Vec<_> = (0..5).flat_map(|_| room.look(&[], &[])).collect();
+    assert_eq!(changes, [ObjectChange::Removed(ObjectId(1))]);
 }
 
 #[test]

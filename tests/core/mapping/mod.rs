@@ -1,8 +1,10 @@
 //! The object map, fed with hand-made measurements.
 
+mod approach;
 mod association;
 mod coverage;
 mod drift;
+mod editing;
 mod forward_camera;
 mod fusion;
 mod generations;

@@ -6,7 +6,7 @@ use super::{
 };
 use ellipsoid_slam::{
     geometry::{Camera, Distortion, Ellipsoid, Outline, Pose, Rect},
-    mapping::{MappingSettings, ObjectId, ObjectMap, Observation, SlamSettings},
+    mapping::{Edit, MappingSettings, ObjectId, ObjectMap, Observation, SlamSettings},
     perception::DepthImage,
     time::Stamp,
 };
@@ -126,4 +126,19 @@ fn of_six_alike_chairs_the_pushed_one_is_elsewhere_and_all_keep_their_identities
         }
         assert_eq!(watch.map.all().len(), 6);
     }
+}
+
+#[test]
+fn a_locked_chair_stays_where_it_is_and_the_one_that_is_seen_beside_it_is_another() {
+    let things = vec![("cabinet", cabinet(1.3)), ("chair", chair(0.0)), ("cabinet", cabinet(-1.3))];
+    let mut watch = Watch::new(things);
+    (0..60).for_each(|_| watch.look());
+    let [(id, before)] = watch.chairs()[..] else { panic!("{:?}", watch.chairs()) };
+    watch.map.edit(&Edit::Lock(id, true), Stamp::default()).unwrap();
+    watch.things[1].1 = chair(0.6);
+    (0..20).for_each(|_| watch.look());
+    let after = watch.chairs();
+    assert_eq!(after.len(), 2, "{after:?}");
+    assert_eq!(after[0].0, id);
+    assert!((after[0].1 - before).abs() < 0.02 && (after[1].1 - 0.6).abs() < 0.03, "{after:?}");
 }

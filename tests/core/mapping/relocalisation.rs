@@ -277,6 +277,8 @@ fn saved(id: u64, label: &str, ellipsoid: Ellipsoid) -> SavedObject {
     SavedObject {
         id,
         label: label.into(),
+        name: None,
+        locked: false,
         labels: BTreeMap::from([(label.into(), 1.0)]),
         existence: 0.99,
         observations: 10,
