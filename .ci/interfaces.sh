@@ -25,11 +25,12 @@ ln -sfn "$numpy" "$wheels/lib/python3.11/site-packages/numpy/_core/include"
 
 # CMake exports no include folder that is inside of the source: the environment is.
 rm -rf "$work/source" "$work/build"
-mkdir "$work/source"
-cp -r package.xml CMakeLists.txt msg srv config launch "$work/source"
+mkdir -p "$work/source/ellipsoid_slam"
+cp -r package.xml CMakeLists.txt msg srv config launch "$work/source/ellipsoid_slam"
+cp -r tests/interfaces/nav2_msgs "$work/source"
 
 export PATH=$python/bin:$PATH AMENT_PREFIX_PATH=$python CMAKE_PREFIX_PATH=$python
-colcon --log-base "$work/log" build --base-paths "$work/source" --packages-select ellipsoid_slam \
+colcon --log-base "$work/log" build --base-paths "$work/source" \
   --build-base "$work/build" --install-base "$work/install" \
   --cmake-args -DELLIPSOID_SLAM_PROGRAM=OFF -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$python/bin/python"
 
@@ -39,3 +40,7 @@ source "$work/install/setup.bash"
 set -u
 "$python/bin/python" tests/interfaces/definitions.py
 "$python/bin/python" tests/interfaces/messages.py
+# As the tests have built it.
+program=${CARGO_TARGET_DIR:-target}/debug/ellipsoid_slam
+[ -x "$program" ] || cargo build
+"$python/bin/python" tests/interfaces/go_to.py "$program"

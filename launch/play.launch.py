@@ -1,4 +1,7 @@
-"""The node on a bag, as if it were live: ros2 launch ellipsoid_slam play.launch.py bag:=/my/bag config:=/my/parameters.yaml"""
+"""The node on a bag, as if it were live: ros2 launch ellipsoid_slam play.launch.py bag:=/my/bag rviz:=true
+
+Takes the arguments of node.launch.py, too.
+"""
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
@@ -9,31 +12,19 @@ from launch_ros.substitutions import FindPackageShare
 
 
 def generate_launch_description():
-    share = FindPackageShare("ellipsoid_slam")
-    node = PathJoinSubstitution([share, "launch", "node.launch.py"])
-    defaults = PathJoinSubstitution([share, "config", "ellipsoid_slam.yaml"])
+    node = PathJoinSubstitution([FindPackageShare("ellipsoid_slam"), "launch", "node.launch.py"])
     return LaunchDescription(
         [
-            DeclareLaunchArgument("bag", description="an .mcap file or a rosbag2 folder"),
-            DeclareLaunchArgument("config", default_value=defaults, description="parameter file"),
+            DeclareLaunchArgument("bag", description="a file or a folder of rosbag2"),
             DeclareLaunchArgument("rate", default_value="1.0", description="times real time"),
             IncludeLaunchDescription(
                 PythonLaunchDescriptionSource(node),
-                launch_arguments={
-                    "config": LaunchConfiguration("config"),
-                    "use_sim_time": "true",
-                }.items(),
+                launch_arguments={"use_sim_time": "true"}.items(),
             ),
             Node(
                 package="ellipsoid_slam",
                 executable="ellipsoid_slam",
-                arguments=[
-                    "play",
-                    LaunchConfiguration("bag"),
-                    "--clock",
-                    "--rate",
-                    LaunchConfiguration("rate"),
-                ],
+                arguments=["play", LaunchConfiguration("bag"), "--clock", "--rate", LaunchConfiguration("rate")],
                 output="screen",
             ),
         ]

@@ -1,4 +1,4 @@
-//! Parameter files: `ellipsoid_slam: ros__parameters: ...`.
+//! Parameter files: `/**: ros__parameters: ...`.
 
 use super::{Parameters, keys, values};
 use serde_json::{Map, Value};
@@ -12,7 +12,7 @@ pub enum ConfigError {
     #[error("not valid YAML: {0}")]
     Yaml(String),
     /// Not in ROS 2's form.
-    #[error("expected `ellipsoid_slam:` with `ros__parameters:` below it")]
+    #[error("expected `/**:` or `ellipsoid_slam:` with `ros__parameters:` below it")]
     NotRos,
     /// A key that does not exist.
     #[error("unknown key `{path}`{}", suggestion(nearest))]
@@ -73,7 +73,7 @@ pub fn parameters_from_yaml(text: &str) -> Result<Parameters, ConfigError> {
 /// before names; what they say of parameters that are not ours is for others.
 ///
 /// # Errors
-/// When the text is not YAML.
+/// When the text is not YAML, or a name below a wildcard is hardly another's, but one of ours with a slip of the pen.
 pub fn sections_of(text: &str, node: &str) -> Result<Vec<Value>, ConfigError> {
     let file = yaml(text)?;
     let mut found = Vec::new();
@@ -109,13 +109,27 @@ fn collect_sections(
                 if value.is_null() { Value::Object(Map::new()) } else { value.clone() };
             if let (Some(section), true) = (section.as_object_mut(), path.contains('*')) {
                 let ours = Parameters::default().tree()?;
-                let is_ours = |key: &str| key.split('.').next().and_then(|k| ours.get(k)).is_some();
-                section.retain(|key, _| is_ours(key));
+                let first = |key: &str| key.split('.').next().unwrap_or_default().to_owned();
+                if let Some((path, nearest)) = slip(section.keys().map(|key| first(key)), &ours) {
+                    return Err(ConfigError::UnknownKey { path, nearest: Some(nearest) });
+                }
+                section.retain(|key, _| ours.get(first(key)).is_some());
             }
             found.push(section);
         }
     }
     Ok(())
+}
+
+/// The first name that is none of ours but nearly one, and that one.
+fn slip(names: impl Iterator<Item = String>, ours: &Value) -> Option<(String, String)> {
+    let known: Vec<&String> = ours.as_object()?.keys().collect();
+    names.filter(|name| ours.get(name).is_none()).find_map(|name| {
+        let is_near =
+            |own: &&&String| own.len() > 3 && strsim::damerau_levenshtein(own, &name) <= 2;
+        let near = known.iter().find(is_near).map(|own| (*own).clone());
+        near.map(|near| (name, near))
+    })
 }
 
 fn parts(name: &str) -> Vec<&str> {
@@ -137,7 +151,7 @@ fn matches(pattern: &[&str], name: &[&str]) -> bool {
 /// # Errors
 /// Never for parameters that were read or are defaults; a value that is no text would be a bug.
 pub fn parameters_to_yaml(parameters: &Parameters) -> Result<String, ConfigError> {
-    let mut text = format!("{NODE}:\n  {PARAMETERS}:\n");
+    let mut text = format!("{ALL_NODES}:\n  {PARAMETERS}:\n");
     if let Value::Object(sections) = parameters.tree()? {
         emit(&mut text, &sections, "", 2);
     }
@@ -198,4 +212,6 @@ fn flow(value: &Value) -> String {
 }
 
 const NODE: &str = "ellipsoid_slam";
+/// Whatever the node is called, and in whatever namespace.
+const ALL_NODES: &str = "/**";
 const PARAMETERS: &str = "ros__parameters";

@@ -5,10 +5,10 @@
 
 use super::{
     Constellation, ExpectedPlace, Landmark, MapObject, NotRelocalised, ObjectChange, ObjectId,
-    ObjectMap, RelocalisationSettings, Relocalised, SavedMap,
+    ObjectMap, RelocalisationSettings, Relocalised, SavedMap, loop_closing::expected_about,
 };
 use crate::geometry::Pose;
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::Vector4;
 
 /// A saved map that waits for its place to be recognised.
 #[derive(Clone, Debug)]
@@ -64,6 +64,24 @@ impl Continuation {
         self.is_sparse() && self.expected.is_none() && map.lasting().count() >= needed
     }
 
+    /// Somebody says where the robot is in the saved map: `map_from_base`. It is looked for there; what was seen so far, in
+    /// which the base is at `seen_from_base` (nothing before the first image), moves there for the time being.
+    pub fn place(&mut self, map: &mut ObjectMap, said: &Pose, seen_from_base: Option<Pose>) {
+        let Some(seen_from_base) = seen_from_base else {
+            self.start = Some(*said);
+            return;
+        };
+        map.move_map(&(said * seen_from_base.inverse()));
+        self.start = None;
+        self.expect_robot_at(said);
+    }
+
+    /// What was seen has been moved to where the robot is said to be.
+    fn expect_robot_at(&mut self, said: &Pose) {
+        let sigmas = Vector4::new(START_YAW_RAD, START_M, START_M, START_M);
+        self.expected = Some(expected_about(&said.translation.vector, &sigmas));
+    }
+
     /// Looks whether the place can be recognised by now; if so, `map` has become a part of the saved one, in whose frame
     /// it is from now on. Objects that are in both have the saved identity.
     pub fn attempt(
@@ -74,9 +92,7 @@ impl Continuation {
         if let Some(start) = self.start.take().filter(|_| map.keyframes() > 0) {
             let map_from_seen = start * map.first_pose().inverse();
             map.move_map(&map_from_seen);
-            let sigmas = Vector4::new(START_YAW_RAD, START_M, START_M, START_M);
-            let covariance = Matrix4::from_diagonal(&sigmas.component_mul(&sigmas));
-            self.expected = Some(ExpectedPlace { pose: Pose::identity(), covariance });
+            self.expect_robot_at(&start);
         }
         if !is_last && map.keyframes() < self.tried + KEYFRAMES_BETWEEN_ATTEMPTS {
             return None;

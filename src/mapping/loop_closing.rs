@@ -80,10 +80,16 @@ impl ObjectMap {
 fn expected(recent: &[Landmark]) -> ExpectedPlace {
     let sum: Vector3<f64> = recent.iter().map(|l| l.ellipsoid.center().coords).sum();
     let pivot = sum / recent.len().max(1) as f64;
+    expected_about(&pivot, &DRIFT)
+}
+
+/// What was seen is where it is, up to a turn about this point and a shift, with standard deviations of heading and place
+/// (rad, m).
+pub(super) fn expected_about(pivot: &Vector3<f64>, sigmas: &Vector4<f64>) -> ExpectedPlace {
     let mut about_pivot = Matrix4::identity();
     (about_pivot[(1, 0)], about_pivot[(2, 0)]) = (pivot.y, -pivot.x);
-    let drift = Matrix4::from_diagonal(&DRIFT.component_mul(&DRIFT));
-    let covariance = about_pivot * drift * about_pivot.transpose();
+    let own = Matrix4::from_diagonal(&sigmas.component_mul(sigmas));
+    let covariance = about_pivot * own * about_pivot.transpose();
     ExpectedPlace { pose: Pose::identity(), covariance }
 }
 

@@ -76,6 +76,19 @@ impl Message for PoseStamped {
     const TYPE: &'static str = "geometry_msgs/msg/PoseStamped";
 }
 
+/// A pose with its uncertainty and its header.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PoseWithCovarianceStamped {
+    /// Stamp and frame.
+    pub header: Header,
+    /// The pose.
+    pub pose: PoseWithCovariance,
+}
+
+impl Message for PoseWithCovarianceStamped {
+    const TYPE: &'static str = "geometry_msgs/msg/PoseWithCovarianceStamped";
+}
+
 /// A pose with its uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PoseWithCovariance {

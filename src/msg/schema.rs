@@ -61,6 +61,10 @@ const DEFINITIONS: &[(&str, &str)] = &[
         "geometry_msgs/PoseWithCovariance",
         include_str!("../../msg/ros/geometry_msgs/PoseWithCovariance.msg"),
     ),
+    (
+        "geometry_msgs/PoseWithCovarianceStamped",
+        include_str!("../../msg/ros/geometry_msgs/PoseWithCovarianceStamped.msg"),
+    ),
     ("geometry_msgs/Twist", include_str!("../../msg/ros/geometry_msgs/Twist.msg")),
     (
         "geometry_msgs/TwistWithCovariance",

@@ -172,6 +172,14 @@ impl ObjectSlam {
         self.map.edit(edit, now)
     }
 
+    /// Somebody says where the base is in the saved map (`map_from_base`), and where it is in what was seen so far, if anything was.
+    /// False where no saved map waits for that: then nothing happens.
+    pub fn place(&mut self, map_from_base: &Pose, seen_from_base: Option<Pose>) -> bool {
+        let Some(waiting) = &mut self.waiting else { return false };
+        waiting.place(&mut self.map, map_from_base, seen_from_base);
+        true
+    }
+
     /// From now on these settings count; what is in the map stays.
     pub fn change_settings(&mut self, settings: Settings) {
         self.front_end.change_settings(settings.clone());

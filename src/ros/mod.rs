@@ -17,6 +17,7 @@ mod discovery;
 mod domain;
 mod finding;
 mod inbox;
+mod initial_pose;
 mod jobs;
 mod log_form;
 mod names;

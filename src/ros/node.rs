@@ -9,6 +9,7 @@ use super::{
     domain::{Domain, DomainError},
     finding::Finding,
     inbox::Inbox,
+    initial_pose,
     jobs::Jobs,
     names::node_name,
     outputs::Outputs,
@@ -203,6 +204,7 @@ impl Start<'_> {
             parameters: live.watch(),
         };
         serve_map(&mut self.node, arguments, &orders, self.tasks)?;
+        self.tasks.spawn_local(initial_pose::listen(&mut self.node, arguments, orders)?);
         if own.use_sim_time {
             self.tasks.spawn_local(clock::follow(&mut self.node, status.clone())?);
         }

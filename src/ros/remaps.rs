@@ -1,5 +1,6 @@
 //! Remappings of names that there are not.
 
+use super::initial_pose::INITIAL_POSE;
 use crate::{
     config::{RosArguments, TopicSettings},
     publication::OutputTopic,
@@ -19,10 +20,11 @@ pub struct UnmatchedRemap {
 }
 
 /// Names of services, and of topics that every node has.
-const OTHERS: [&str; 22] = [
+const OTHERS: [&str; 23] = [
     "/tf",
     "/tf_static",
     "/clock",
+    INITIAL_POSE,
     "/diagnostics",
     "/rosout",
     "/parameter_events",

@@ -97,6 +97,11 @@ impl Orders {
         Done(done)
     }
 
+    /// Gives the worker an order that nobody waits for.
+    pub(super) fn tell(&self, order: Command) {
+        self.jobs.order(order);
+    }
+
     /// The same for an order that puts another map in place of this one.
     fn begin_anew<T>(&self, order: impl FnOnce(oneshot::Sender<T>) -> Command) -> Done<T> {
         let (answer, done) = oneshot::channel();

@@ -29,6 +29,8 @@ pub(super) enum Command {
     Maps(oneshot::Sender<MapsToSave>),
     /// Put a map in place of this one.
     Begin(SavedMap, Answer),
+    /// Somebody says where the base is in the loaded map.
+    Place(Pose),
     /// Change an object.
     Edit(Edit, oneshot::Sender<Result<ObjectId, String>>),
     /// Parameters changed.
@@ -124,6 +126,10 @@ impl Worker {
                 let _ = answer.send(self.edit(&edit));
                 return;
             }
+            Command::Place(map_from_base) => {
+                self.place(&map_from_base);
+                return;
+            }
             Command::Settings(parameters) => {
                 self.outputs.change_settings(&parameters.node);
                 self.slam.change_settings(parameters.slam.clone());
@@ -133,6 +139,20 @@ impl Worker {
         };
         // Who asked may have gone away: that is no concern of the map.
         let _ = answer.send(outcome);
+    }
+
+    fn place(&mut self, map_from_base: &Pose) {
+        let seen_from_base = self.outputs.base(&self.slam);
+        let [x, y, _]: [f64; 3] = map_from_base.translation.vector.into();
+        if !self.slam.place(map_from_base, seen_from_base) {
+            tracing::warn!(
+                "an initial pose is of use only where a map is loaded whose place is not recognised yet"
+            );
+            return;
+        }
+        tracing::info!("the place in the loaded map is looked for about ({x:.2}, {y:.2})");
+        self.outputs.edited(self.status.present(), &self.slam);
+        self.tell();
     }
 
     fn edit(&mut self, edit: &Edit) -> Result<ObjectId, String> {

@@ -54,6 +54,17 @@ fn a_file_changes_only_what_it_names() {
     assert_eq!(again, parameters);
 }
 
+/// What a file says for all nodes may be for another one, unless it is ours with a slip of the pen.
+#[test]
+fn a_slip_of_the_pen_below_a_wildcard_is_named_and_what_is_for_other_nodes_passed_over() {
+    let text = |inside: &str| format!("/**:\n  ros__parameters:\n    {inside}\n");
+    let why = parameters_from_yaml(&text("mappng: {min_observations: 4}")).unwrap_err();
+    assert_eq!(why.to_string(), "unknown key `mappng`; did you mean `mapping`?");
+    for others in ["controller_frequency: 20.0", "robot_radius: 0.2", "map_topic: /map"] {
+        assert_eq!(parameters_from_yaml(&text(others)).unwrap(), Parameters::default());
+    }
+}
+
 #[test]
 fn mistakes_are_named() {
     let cases = [

@@ -67,7 +67,8 @@ fn structs_mirror_their_definitions_field_by_field() {
         yolo_msgs: Point2D Vector2 Pose2D BoundingBox2D BoundingBox3D Mask KeyPoint2D KeyPoint2DArray
             KeyPoint3D KeyPoint3DArray Detection DetectionArray;
         std_msgs: Header ColorRGBA;
-        geometry_msgs: Point Vector3 Quaternion Pose PoseStamped PoseWithCovariance Twist
+        geometry_msgs: Point Vector3 Quaternion Pose PoseStamped PoseWithCovariance
+            PoseWithCovarianceStamped Twist
             TwistWithCovariance Transform TransformStamped;
         sensor_msgs: Image CompressedImage RegionOfInterest CameraInfo PointField PointCloud2;
         nav_msgs: MapMetaData OccupancyGrid Odometry Path;

@@ -245,6 +245,12 @@ class PoseStamped(IdlStruct, typename="geometry_msgs::msg::dds_::PoseStamped_"):
 
 
 @dataclass
+class PoseWithCovarianceStamped(IdlStruct, typename="geometry_msgs::msg::dds_::PoseWithCovarianceStamped_"):
+    header: Header
+    pose: PoseWithCovariance
+
+
+@dataclass
 class ApproachObjectRequest(IdlStruct, typename=f"{SERVICES}ApproachObject_Request_"):
     id: types.uint64 = 0
     label: str = ""

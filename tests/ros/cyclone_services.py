@@ -24,6 +24,8 @@ from cyclone_messages import (
     Point,
     Pose,
     PoseStamped,
+    PoseWithCovariance,
+    PoseWithCovarianceStamped,
     Quaternion,
     QueryObjectsRequest,
     QueryObjectsResponse,
@@ -35,7 +37,7 @@ from cyclone_messages import (
     Time,
     Vector3,
 )
-from cyclone_participant import LATCHED, client, reader, wait_for
+from cyclone_participant import LATCHED, client, reader, wait_for, writer
 
 query = client("query_objects", QueryObjectsRequest, QueryObjectsResponse)
 save = client("save_map", SaveMapRequest, SaveMapResponse)
@@ -165,6 +167,18 @@ assert {o["id"] for o in objects} == now
 kept = [o for o in objects if o["id"] == first][0]
 assert (kept["name"], kept["locked"]) == ("my thing", True), kept
 
+# A robot that knows where it is takes no initial pose; one whose map was loaded looks for its place there.
+initial = writer("/initialpose", PoseWithCovarianceStamped)
+wait_for("the node's ear", initial.get_matched_subscriptions)
+
+
+def point_at(frame, x, y):
+    pose = Pose(Point(x, y, 0.0), Quaternion(0.0, 0.0, 0.0, 1.0))
+    initial.write(PoseWithCovarianceStamped(Header(Time(0, 0), frame), PoseWithCovariance(pose, [0.0] * 36)))
+
+
+point_at("map", 7.0, 7.0)
+point_at("odom", 8.0, 8.0)
 missing = load(path="missing.json")
 assert not missing.success and missing.objects == 0 and missing.message, missing
 assert set(query().ids) == now
@@ -172,3 +186,6 @@ loaded = load(path=NAME)
 assert loaded.success and loaded.objects == len(objects), loaded
 # Until the place is recognised nothing is in the loaded map's frame.
 assert not list(query().ids)
+point_at("map", 1.25, -2.0)
+# Nothing answers: the log does.
+time.sleep(0.3)

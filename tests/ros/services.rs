@@ -17,6 +17,14 @@ fn cyclone_dds_looks_objects_up_edits_them_and_saves_and_loads_the_map() {
     succeeded(&peer, &node);
     assert!(node.stop("TERM").success(), "{}", node.log());
     check_log(&node.log());
+    for said in [
+        "an initial pose is of use only where a map is loaded",
+        "/initialpose: the pose is in `odom`, and has to be in `map`",
+        "looked for about (1.25, -2.00)",
+    ] {
+        assert!(node.log().contains(said), "{said}\n{}", node.log());
+    }
+    assert!(!node.log().contains("about (7.00"), "{}", node.log());
 
     // Another node begins with this map, and does not begin with what is none.
     let file = format!("map.file:={map}");

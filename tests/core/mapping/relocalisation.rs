@@ -6,7 +6,7 @@ use ellipsoid_slam::{
     geometry::{Ellipsoid, Outline, Pose, yaw_of},
     mapping::{
         Constellation, Continuation, ExpectedPlace, Landmark, MappingSettings, NotRelocalised,
-        ObjectMap, RelocalisationSettings, Relocalised, SavedMap, SavedObject,
+        ObjectChange, ObjectMap, RelocalisationSettings, Relocalised, SavedMap, SavedObject,
     },
     time::Stamp,
 };
@@ -332,4 +332,43 @@ fn what_was_saved_counts_a_third_of_what_it_claims() {
         let wider = (object.ellipsoid().semi_axes.x / before.semi_axes.x).ln();
         assert!((wider - expected).abs() < 0.003, "{label}: {wider} instead of {expected}");
     }
+}
+
+#[test]
+fn of_two_places_alike_it_is_the_one_where_somebody_says_the_robot_is() {
+    let thing = |label, x: f64, y: f64, half: [f64; 3]| {
+        (label, Ellipsoid::new(Pose::translation(x, y, half[2]), Vector3::from(half)))
+    };
+    let things = [
+        thing("cabinet", 2.0, 1.5, [0.5, 0.2, 0.6]),
+        thing("couch", 3.5, -1.0, [0.9, 0.45, 0.42]),
+        thing("suitcase", 1.5, -1.6, [0.3, 0.15, 0.3]),
+        thing("refrigerator", 4.0, 2.0, [0.35, 0.3, 0.85]),
+        thing("bed", 6.0, 0.5, [1.0, 0.8, 0.3]),
+    ];
+    let other_room = upright_pose(0.7, Vector3::new(20.0, 5.0, 0.0));
+    let there = things.iter().map(|(label, e)| (*label, e.transformed(&other_room)));
+    let all: Vec<_> = things.iter().copied().chain(there).collect();
+    let objects = (1..).zip(&all).map(|(id, (label, e))| saved(id, label, *e)).collect();
+    let map_file = SavedMap { frame_id: "map".into(), objects };
+    let mut map = ObjectMap::new(MappingSettings::default(), slam_settings()).continuing(&map_file);
+    for second in 0..5 {
+        let seen = things.iter().map(|(label, e)| observation(label, *e, size_known_to_a_tenth(e)));
+        observe(&mut map, f64::from(second), seen.collect());
+    }
+    let mut waiting = Continuation::new(map_file, None, RelocalisationSettings::default());
+    assert!(waiting.attempt(&mut map, true).is_none(), "nobody can tell the two rooms apart");
+    // The base is not where the frame of what was seen begins, and people are off by a little.
+    let seen_from_base = upright_pose(0.4, Vector3::new(1.0, -0.5, 0.0));
+    let off = upright_pose(0.1, Vector3::new(0.15, -0.1, 0.0));
+    waiting.place(&mut map, &(other_room * seen_from_base * off), Some(seen_from_base));
+    let (_, changes) =
+        waiting.attempt(&mut map, true).unwrap_or_else(|| panic!("{}", waiting.why()));
+    let kept = changes.iter().filter_map(|change| match change {
+        ObjectChange::Merged { kept, .. } => Some(kept.0),
+        _ => None,
+    });
+    let mut kept: Vec<u64> = kept.collect();
+    kept.sort_unstable();
+    assert_eq!(kept, [6, 7, 8, 9, 10]);
 }

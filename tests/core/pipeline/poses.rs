@@ -1,9 +1,13 @@
 use super::{
-    Run, at, boxes, camera_info, camera_on_base, color_camera, depth, depth_in, odometry,
+    Run, at, boxes, camera_info, camera_on_base, color_camera, depth, depth_in, millis, odometry,
     odometry_at, small_camera, transform,
 };
-use crate::{geometry::pose_distance, scene::looking};
+use crate::{
+    geometry::{pose_distance, upright_pose},
+    scene::looking,
+};
 use ellipsoid_slam::{
+    config::parameters_from_yaml,
     geometry::{Pose, exp, interpolate},
     pipeline::{CameraRole, Input, Settings},
 };
@@ -81,6 +85,38 @@ fn without_odometry_messages_poses_come_from_transforms() {
         let expected = circling(pose.stamp.seconds_since(at(0)));
         assert!(pose_distance(&pose.odom_from_base, &expected) < 1e-9);
     }
+}
+
+/// As AMCL and slam_toolbox do it: their transform is stamped ahead of time, and corrected on the way.
+#[test]
+fn beside_a_program_that_publishes_map_to_odom_poses_are_in_its_map() {
+    let parameters = parameters_from_yaml(include_str!("../../../config/nav2.yaml")).unwrap();
+    assert!(!parameters.node.publish_tf && parameters.node.topics.odometry.is_empty());
+    let mut run = Run::new(parameters.slam);
+    run.feed([color_camera(), camera_on_base()]);
+    let map_from_odom = |ms: i64| {
+        let corrected = if ms < 1500 { 0.0 } else { 0.3 };
+        upright_pose(1.2, Vector3::new(4.0 + corrected, -2.0, 0.0))
+    };
+    for ms in (0..=3000).step_by(100) {
+        run.feed([
+            transform(false, ms + 500, ["map", "odom"], map_from_odom(ms + 500)),
+            transform(false, ms, ["odom", "base_link"], circling(ms as f64 / 1000.0)),
+            depth(ms - 50),
+            boxes(ms - 50),
+        ]);
+    }
+    run.finish();
+    assert!(run.posed().len() >= 24, "{:?}", run.dropped());
+    for pose in &run.total.poses {
+        let (ms, own) = (millis(pose.stamp), circling(pose.stamp.seconds_since(at(0))));
+        // Where it is being corrected, between the two.
+        if !(1400..1500).contains(&ms) {
+            let expected = map_from_odom(ms) * own;
+            assert!(pose_distance(&pose.map_from_base, &expected) < 1e-6, "{ms}");
+        }
+    }
+    assert_eq!(run.slam.frames(), ("map", "base_link"));
 }
 
 #[test]
