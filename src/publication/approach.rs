@@ -60,7 +60,8 @@ fn approached<'a>(
     };
     let surroundings = Surroundings { objects, walls, base };
     let mut why = None;
-    for object in asked_for(request, objects, &base.translation.vector.into())? {
+    let asked = asked_for(request, objects, &base.translation.vector.into())?;
+    for object in asked.into_iter().take(MOST_TRIED) {
         match surroundings.approach(object, &settings) {
             Ok(pose) => return Ok((object, pose)),
             // Of the nearest one.
@@ -101,5 +102,7 @@ fn listed(names: &[&str]) -> String {
     if names.is_empty() { "nothing in the map".into() } else { names.join(", ") }
 }
 
+/// Objects of a label that are tried, so that an answer comes soon whatever the map has.
+const MOST_TRIED: usize = 20;
 /// Names in a sentence: the answer has to fit into a packet.
 const MOST_NAMES: usize = 10;
