@@ -31,6 +31,8 @@ class ObjectRecord(TypedDict):
     exponents: tuple[float, float] | None
     support_height_m: float | None
     covariance: list[float]
+    name: str | None
+    locked: bool
 
 
 class MapRecord(TypedDict):

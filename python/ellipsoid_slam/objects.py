@@ -52,6 +52,10 @@ class MapObject:
     """Height of the plane it stands on, if one was seen."""
     covariance: npt.NDArray[np.float64]
     """9 x 9, of [rotation (rad), position (m), logarithms of the semi-axes], a right perturbation in its own frame."""
+    name: str | None = None
+    """What people call it, if they have named it."""
+    locked: bool = False
+    """Whether it stays in the map and in its place whatever images say."""
 
     def __post_init__(self) -> None:
         for name, count in [("position", 3), ("orientation", 4), ("semi_axes", 3)]:
@@ -156,11 +160,11 @@ class ObjectMap:
 def objects_array(objects: Iterable[MapObject]) -> npt.NDArray[np.void]:
     """Objects as a structured array with a row an object.
 
-    Its fields are those of :class:`MapObject` but for ``labels`` and ``exponents``; a support height that is not known
+    Its fields are those of :class:`MapObject` but for ``labels``, ``exponents`` and ``name``; a support height that is not known
     is NaN.
     """
     rows = list(objects)
-    names = [f.name for f in fields(MapObject) if f.name not in ("labels", "exponents")]
+    names = [f.name for f in fields(MapObject) if f.name not in ("labels", "exponents", "name")]
     longest = max((len(found.label) for found in rows), default=0)
     types: dict[str, Any] = {
         "id": "u8",
@@ -175,6 +179,7 @@ def objects_array(objects: Iterable[MapObject]) -> npt.NDArray[np.void]:
         "outline": "U12",
         "support_height_m": "f8",
         "covariance": ("f8", (9, 9)),
+        "locked": "?",
     }
     array = np.zeros(len(rows), dtype=[(name, *_listed(types[name])) for name in names])
     for row, found in zip(array, rows):

@@ -36,6 +36,8 @@ pub(crate) struct ObjectRecord {
     /// Row by row.
     #[pyo3(from_py_with = row_by_row)]
     covariance: Vec<f64>,
+    name: Option<String>,
+    locked: bool,
 }
 
 /// The numbers of an array of numpy.
@@ -77,6 +79,8 @@ impl From<&SavedObject> for ObjectRecord {
             support_height_m: object.support_height_m,
             // nalgebra stores columns.
             covariance: object.covariance.transpose().as_slice().to_vec(),
+            name: object.name.clone(),
+            locked: object.locked,
         }
     }
 }
@@ -118,6 +122,8 @@ impl ObjectRecord {
         Ok(SavedObject {
             id,
             label: self.label,
+            name: self.name,
+            locked: self.locked,
             labels: self.labels,
             existence: self.existence,
             observations: self.observations,
