@@ -42,6 +42,12 @@
 //!
 //! [`nalgebra`] is re-exported: its types are in the interface.
 //!
+//! # Features
+//!
+//! All of these are on by default. `default-features = false` leaves the method, its settings and its map files, with half of the crates; `bags` adds
+//! messages of ROS 2 and bags of them, `detector` a 2D detector, `sim` scenes with exact truth, `publication` and `report` what is published and shown of a run,
+//! `jazzy` (or another distribution of ROS 2) the live node, `cli` the program.
+//!
 //! # The house
 //!
 //! In reading order; every layer uses only layers above it, and a test holds this.
@@ -62,15 +68,19 @@ pub mod pipeline;
 
 pub mod config;
 
+#[cfg(feature = "bags")]
 pub mod msg;
 
+#[cfg(feature = "bags")]
 pub mod topics;
 
 #[cfg(feature = "detector")]
 pub mod detector;
 
+#[cfg(feature = "publication")]
 pub mod publication;
 
+#[cfg(feature = "report")]
 pub mod report;
 
 pub mod io;
@@ -78,8 +88,10 @@ pub mod io;
 #[cfg(feature = "ros")]
 pub mod ros;
 
+#[cfg(feature = "sim")]
 pub mod sim;
 
 pub mod eval;
 
+#[cfg(feature = "cli")]
 pub mod cli;

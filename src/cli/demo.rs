@@ -6,33 +6,56 @@ use super::{
     parameter_args::{ParameterArgs, RemapArgs},
     replay,
 };
-use crate::io::read_map;
+use crate::io::{read_map, write_atomically};
+use anyhow::Context;
 use clap::Parser;
 use nalgebra::Vector3;
-use std::{fs, path::PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 /// Replay the demo bag, then say what was found and where to look.
 #[derive(Debug, Parser)]
 pub(super) struct Args {
-    /// The demo bag.
-    #[arg(long, default_value = "bags/desk.mcap")]
-    bag: PathBuf,
-    /// Folder for the results; an earlier demo's are overwritten.
-    #[arg(long, short, default_value = "target/demo")]
-    output: PathBuf,
+    /// Another bag; the demo bag is bags/desk.mcap, or where that is not there the same in the program.
+    #[arg(long)]
+    bag: Option<PathBuf>,
+    /// Folder for the results; an earlier demo's are overwritten. By default target/demo, or where there is no target, demo.
+    #[arg(long, short)]
+    output: Option<PathBuf>,
     /// Write no report and no pictures.
     #[arg(long)]
     no_report: bool,
 }
 
+/// The demo bag, for those who have the program only.
+const BAG: &[u8] = include_bytes!("../../bags/desk.mcap");
+
+/// Where the demo bag is: in the folder of the results, where it is nowhere else.
+fn demo_bag(output: &Path) -> anyhow::Result<PathBuf> {
+    let kept = PathBuf::from("bags/desk.mcap");
+    if kept.exists() {
+        return Ok(kept);
+    }
+    let written = output.join("desk.mcap");
+    fs::create_dir_all(output)
+        .and_then(|()| write_atomically(&written, BAG))
+        .with_context(|| format!("cannot write {}", written.display()))?;
+    Ok(written)
+}
+
 pub(super) fn run(args: &Args) -> Outcome {
+    let default = if Path::new("target").is_dir() { "target/demo" } else { "demo" };
+    let output = args.output.clone().unwrap_or_else(|| default.into());
+    let bag = args.bag.clone().map_or_else(|| demo_bag(&output), Ok)?;
     let replay_args = replay::Args {
-        bag: args.bag.clone(),
+        bag,
         parameters: ParameterArgs::default(),
         detector: DetectorArgs::default(),
         map: None,
         start: None,
-        output: Some(args.output.clone()),
+        output: Some(output.clone()),
         remaps: RemapArgs::default(),
         force: true,
         json: false,
@@ -41,7 +64,7 @@ pub(super) fn run(args: &Args) -> Outcome {
         ground_truth: None,
     };
     replay::run(&replay_args)?;
-    let map = read_map(&fs::read_to_string(args.output.join("map.json"))?)?;
+    let map = read_map(&fs::read_to_string(output.join("map.json"))?)?;
     say!("\n{:>3}  {:<16} {:>24}  {:>20}", "id", "label", "position [m]", "full size [m]");
     for object in &map.objects {
         let numbers = |v: &Vector3<f64>| v.iter().map(|x| format!("{x:6.2}")).collect::<String>();
@@ -57,7 +80,7 @@ pub(super) fn run(args: &Args) -> Outcome {
         "\nopen {0}/report.html in a browser; {0}/map.svg is the map from above;\n\
          look at {0}/result.mcap in Foxglove, or in RViz with `ros2 bag play {0}/result.mcap`;\n\
          {0}/map.json has the objects, {0}/trajectory.tum the poses",
-        args.output.display()
+        output.display()
     );
     Ok(())
 }

@@ -9,6 +9,7 @@ macro_rules! say {
 }
 
 mod annotated;
+mod completions;
 mod config;
 mod demo;
 mod detect;
@@ -75,6 +76,8 @@ enum Command {
     Export(export::Args),
     Experiment(experiment::Args),
     Config(config::Args),
+    Completions(completions::Args),
+    Man(completions::ManArgs),
 }
 
 impl Command {
@@ -164,6 +167,8 @@ pub fn run() -> ExitCode {
         Command::Export(args) => export::run(args),
         Command::Experiment(args) => experiment::run(args),
         Command::Config(args) => config::run(args),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => completions::write_manual(args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

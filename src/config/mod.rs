@@ -10,6 +10,7 @@ mod keys;
 mod node_keys;
 mod node_settings;
 mod parameters;
+mod reference;
 mod text;
 mod together;
 mod values;
@@ -23,4 +24,5 @@ pub use node_settings::{
     QosSettings, RgbTransport, TopicSettings,
 };
 pub use parameters::{Parameter, Parameters, key_of};
+pub use reference::reference;
 pub use text::{ConfigError, parameters_from_yaml, parameters_to_yaml, sections_of};

@@ -190,7 +190,7 @@ fn meaning_is_section(inner: &Map<String, Value>, path: &str) -> bool {
 }
 
 /// A value in YAML's flow style, without quotes where none are needed.
-fn flow(value: &Value) -> String {
+pub(super) fn flow(value: &Value) -> String {
     match value {
         Value::Object(map) => {
             let parts: Vec<String> = map.iter().map(|(k, v)| format!("{k}: {}", flow(v))).collect();

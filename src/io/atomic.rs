@@ -7,7 +7,6 @@ use std::{
     path::{Path, PathBuf},
     sync::{Mutex, MutexGuard, PoisonError},
 };
-use tempfile::NamedTempFile;
 
 /// Writes a file under a temporary name in the same folder and renames it when it is complete and on the disk: whenever
 /// the process or the machine dies, there is either the old file or the new one.
@@ -57,35 +56,8 @@ pub fn remove_unfinished() {
 /// The temporary files that there are now.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+pub(super) fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// A file in the system's folder for temporary files, which disappears again.
-#[derive(Debug)]
-pub(super) struct ScratchFile(NamedTempFile);
-
-impl ScratchFile {
-    /// A new file that nobody else can read.
-    pub(super) fn create() -> io::Result<Self> {
-        let file = NamedTempFile::new()?;
-        unfinished().insert(file.path().to_owned());
-        Ok(Self(file))
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        self.0.path()
-    }
-
-    pub(super) fn file(&mut self) -> &mut File {
-        self.0.as_file_mut()
-    }
-}
-
-impl Drop for ScratchFile {
-    fn drop(&mut self) {
-        unfinished().remove(self.0.path());
-    }
 }
 
 /// A file that disappears again unless it is kept.

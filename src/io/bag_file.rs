@@ -2,9 +2,9 @@
 
 use super::{
     BagError, BagWarning, Damage,
-    atomic::ScratchFile,
     bag_folder::unreadable,
     mcap_file::{self, Channels, Span},
+    scratch_file::ScratchFile,
     sqlite_file::{self, Row, SQLITE_MAGIC},
     unpacked::{ZSTD_MAGIC, unpacked_file},
 };

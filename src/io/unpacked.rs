@@ -1,6 +1,6 @@
 //! What rosbag2 compressed with zstd: whole files, or each message by itself.
 
-use super::{BagError, atomic::ScratchFile, disk_problem};
+use super::{BagError, disk_problem, scratch_file::ScratchFile};
 use std::{
     fs::File,
     io::{self, Read},

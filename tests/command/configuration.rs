@@ -20,6 +20,17 @@ fn the_shipped_file_is_the_defaults() {
 }
 
 #[test]
+fn the_reference_is_what_the_program_says() {
+    let output = run(&["config", "--markdown"]);
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let kept = include_str!("../../docs/configuration.md");
+    assert!(printed == kept, "run `ellipsoid_slam config --markdown > docs/configuration.md`");
+    for key in keys().filter(|key| key.range.is_some()) {
+        assert!(kept.contains(&format!("| `{}` |", key.path)), "{}", key.path);
+    }
+}
+
+#[test]
 fn every_key_is_documented_and_every_documented_key_exists() {
     fn leaves(value: &Value, path: &str, out: &mut Vec<String>) {
         for (key, value) in value.as_object().into_iter().flatten() {

@@ -6,7 +6,7 @@ use ellipsoid_slam::{
     io::{BagReader, decode_color, read_trajectory},
     sim::{SceneKind, Simulation, SimulationSettings, TrajectoryKind},
 };
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{collections::BTreeMap, fs, path::Path, process::Command};
 
 fn documented_command() -> Vec<String> {
     let text = fs::read_to_string(kept("README.md")).unwrap();
@@ -80,4 +80,19 @@ fn the_demo_bags_colours_are_those_that_were_rendered() {
         // JPEG of quality 80 blurs edges; stripes of wrong colours would be off by tens everywhere.
         assert!(image.data.len() == rendered.len() && mean < 3.0, "image {index} is off by {mean}");
     }
+}
+
+/// The program alone is enough: the bag is in it.
+#[test]
+fn the_demo_runs_from_any_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_ellipsoid_slam"))
+        .args(["demo", "--no-report"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let made = folder.path().join("demo");
+    assert_eq!(fs::read(made.join("desk.mcap")).unwrap(), fs::read(kept("desk.mcap")).unwrap());
+    assert!(fs::read_to_string(made.join("map.json")).unwrap().contains("keyboard"));
 }

@@ -3,6 +3,7 @@
 
 mod arguments;
 mod bad_input;
+mod completions;
 mod configuration;
 mod demo_bag;
 mod disk;
