@@ -40,6 +40,7 @@ source "$work/install/setup.bash"
 set -u
 "$python/bin/python" tests/interfaces/definitions.py
 "$python/bin/python" tests/interfaces/messages.py
+"$python/bin/python" tests/interfaces/launch_files.py
 # As the tests have built it.
 program=${CARGO_TARGET_DIR:-target}/debug/ellipsoid_slam
 [ -x "$program" ] || cargo build
