@@ -5,7 +5,7 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -219,14 +219,23 @@ def test_others_go_on_while_a_bag_is_replayed(desk: Path) -> None:
 
 
 def test_a_replay_can_be_interrupted(desk: Path) -> None:
+    def seconds(run: Callable[[], object]) -> float:
+        started = time.monotonic()
+        run()
+        return time.monotonic() - started
+
+    def interrupted() -> None:
+        signal.setitimer(signal.ITIMER_REAL, 0.1 * whole)
+        with pytest.raises(KeyboardInterrupt):
+            replay(desk)
+
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
+    whole = seconds(lambda: replay(desk))
     before = signal.signal(signal.SIGALRM, interrupt)
     try:
-        signal.setitimer(signal.ITIMER_REAL, 0.05)
-        with pytest.raises(KeyboardInterrupt):
-            replay(desk)
+        assert seconds(interrupted) < 0.7 * whole, "it went on to the bag's end"
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
