@@ -321,6 +321,11 @@ impl<'a> Run<'a> {
             }
             self.stopwatch.end_keyframe(keyframe.stamp);
         }
+        for keyframe in &update.keyframes_3d {
+            self.keyframes += 1;
+            self.boxes += keyframe.found.len();
+            self.stopwatch.end_keyframe(keyframe.stamp);
+        }
         if let (Some(found), Some(at)) = (&update.relocalised, self.results.latest()) {
             self.relocalised = Some(Relocalisation::new(found, at));
         }
@@ -380,7 +385,11 @@ fn nothing_to_work_on(
     } else {
         warnings.join("; ")
     };
-    anyhow!("{}: no depth image could be paired with boxes and a pose: {why}", bag.display())
+    let what = match roles.detections_3d {
+        None => "no depth image could be paired with boxes and a pose",
+        Some(_) => "no detections in space could be paired with a pose",
+    };
+    anyhow!("{}: {what}: {why}", bag.display())
 }
 
 fn print_summary(summary: &Summary, folder: &Path) {

@@ -63,6 +63,22 @@ const METHOD_KEYS: &[Key] = &[
     number("depth_noise.base_m", 0.0, 0.1, "at the best range [m]; the defaults are a Kinect's"),
     number("depth_noise.quadratic_per_m", 0.0, 0.1, "growth with the squared range [m/m^2]"),
     number("depth_noise.best_range_m", 0.0, 10.0, "range of the best readings [m]"),
+    other(
+        "detections_3d",
+        "Standard deviations of a detector that measures in space, for robots without depth.",
+    ),
+    number("detections_3d.range_sigma_m", 0.001, 10.0, "of the range of a centre [m]"),
+    number("detections_3d.range_sigma_per_m2", 0.0, 1.0, "growth with the squared range [m/m^2]"),
+    number("detections_3d.across_sigma_m", 0.001, 10.0, "of a centre across the ray [m]"),
+    number("detections_3d.across_sigma_ratio", 0.0, 1.0, "growth with the range [m/m]"),
+    number("detections_3d.size_sigma_m", 0.001, 10.0, "of an extent [m]"),
+    number("detections_3d.size_sigma_ratio", 0.0, 1.0, "besides, as a share of it"),
+    number(
+        "detections_3d.heading_sigma_deg",
+        0.1,
+        180.0,
+        "of the heading of a box that is turned in its frame [deg]",
+    ),
     other("perception", "From one frame and one box to an ellipsoid."),
     other("perception.support", "Support planes: floor, table tops."),
     number(

@@ -24,8 +24,13 @@ pub(super) const NODE_KEYS: &[Key] = &[
     other("topics.odometry", "odometry; empty: TF says where the base is").at_start(),
     other("topics.detections", "2D boxes").at_start(),
     other(
+        "topics.detections_3d",
+        "objects that a detector measured in space; auto: where there is no depth; empty: none",
+    )
+    .at_start(),
+    other(
         "topics.detections_type",
-        "vision_msgs, or yolo_msgs of yolo_ros, where topics.detections is named",
+        "vision_msgs, or yolo_msgs of yolo_ros, where the topic is named",
     )
     .at_start(),
     other(

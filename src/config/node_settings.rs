@@ -51,7 +51,9 @@ pub struct TopicSettings {
     pub odometry: String,
     /// 2D boxes.
     pub detections: String,
-    /// Their message type, where their topic is named.
+    /// Objects in space, in place of depth and boxes.
+    pub detections_3d: String,
+    /// The message type of either, where its topic is named.
     pub detections_type: DetectionsType,
 }
 
@@ -184,6 +186,7 @@ impl Default for TopicSettings {
             depth_camera_info: AUTO.into(),
             odometry: AUTO.into(),
             detections: AUTO.into(),
+            detections_3d: AUTO.into(),
             detections_type: DetectionsType::VisionMsgs,
         }
     }

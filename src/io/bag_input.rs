@@ -151,6 +151,9 @@ pub(super) fn check_usable(bag: &BagReader, roles: &Roles, path: &Path) -> Resul
         }
     };
     let first = First { bag, roles, path };
+    if roles.detections_3d.is_some() {
+        return first.usable(Role::Detections3d, Some).map(drop);
+    }
     let color = first.usable(Role::CameraInfo, info_size(CameraRole::Color))?;
     let (info_role, info) = match roles.depth_camera_info {
         Some(_) => {

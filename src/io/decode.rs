@@ -101,6 +101,14 @@ impl Decoder {
             };
             left_out.extend(bad);
             Input::Detections(boxes)
+        } else if is(&roles.detections_3d) {
+            let (found, bad) = if &*message.type_name == DetectionArray::TYPE {
+                convert::yolo_found_in_space(&decode(data)?)
+            } else {
+                convert::found_in_space(&decode(data)?)
+            };
+            left_out.extend(bad);
+            Input::Detections3d(found)
         } else if let Some(is_static) = transforms_of(roles, topic) {
             let (transforms, bad) = convert::transforms(&decode(data)?);
             left_out.extend(bad);

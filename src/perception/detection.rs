@@ -26,6 +26,15 @@ pub enum DetectionError {
     /// No class, or no probability in (0, 1].
     #[error("the detection names no class with a probability between 0 and 1")]
     NoClass,
+    /// Of a detection in space: no frame.
+    #[error("the detection does not say in which frame it is")]
+    NoFrame,
+    /// Of a detection in space: a pose that is none.
+    #[error("the place of the detection is not finite, or out of this world")]
+    BadPlace,
+    /// Of a detection in space: a size that is none.
+    #[error("an extent of the detection is not finite, or not above zero")]
+    BadExtents,
 }
 
 impl Detection {
@@ -34,12 +43,7 @@ impl Detection {
     /// # Errors
     /// When no hypothesis has a name and a probability in (0, 1].
     pub fn new(rect: Rect, hypotheses: Vec<(String, f64)>) -> Result<Self, DetectionError> {
-        let mut hypotheses = hypotheses;
-        hypotheses.retain(|(name, p)| !name.is_empty() && *p > 0.0 && *p <= 1.0);
-        hypotheses.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
-        if hypotheses.is_empty() {
-            return Err(DetectionError::NoClass);
-        }
+        let hypotheses = most_probable_first(hypotheses)?;
         Ok(Self { rect, track: None, mask: None, hypotheses })
     }
 
@@ -64,4 +68,13 @@ impl Detection {
     pub fn hypotheses(&self) -> &[(String, f64)] {
         &self.hypotheses
     }
+}
+
+/// Class names with probabilities in (0, 1].
+pub(super) fn most_probable_first(
+    mut hypotheses: Vec<(String, f64)>,
+) -> Result<Vec<(String, f64)>, DetectionError> {
+    hypotheses.retain(|(name, p)| !name.is_empty() && *p > 0.0 && *p <= 1.0);
+    hypotheses.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+    if hypotheses.is_empty() { Err(DetectionError::NoClass) } else { Ok(hypotheses) }
 }

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     geometry::{Camera, Pose},
     perception::{
-        DepthImage, Detection, Frame, FrameEstimate, PerceptionSettings, Rays, Stage,
+        DepthImage, Detection, Detection3d, Frame, FrameEstimate, PerceptionSettings, Rays, Stage,
         StageObserver, estimate_frame, find_floor, register_depth,
     },
     time::Stamp,
@@ -40,7 +40,7 @@ pub struct Perceived {
     pub(super) dropped: Vec<Dropped>,
 }
 
-/// One depth image, settled.
+/// One depth image, settled, or objects that were measured in space at one time.
 #[derive(Clone, Debug)]
 pub(super) struct PerceivedFrame {
     pub(super) stamp: Stamp,
@@ -48,8 +48,10 @@ pub(super) struct PerceivedFrame {
     pub(super) base_frame: String,
     pub(super) odometry: Reading,
     pub(super) odometry_covariance: Option<Box<[f64; 36]>>,
-    /// Nothing if the detector did not look at the image, or it cannot be used.
+    /// Nothing if the detector did not look at the image, or it cannot be used, or there is none.
     pub(super) look: Option<Look>,
+    /// What a detector that measures in space found, with the pose of its frame on the base.
+    pub(super) in_space: Option<Vec<(Detection3d, Pose)>>,
 }
 
 /// What an image shows.
@@ -114,6 +116,7 @@ impl FrontEnd {
                 odometry: moment.odometry,
                 odometry_covariance: moment.odometry_covariance.take(),
                 look: None,
+                in_space: None,
             };
             if let Some(mut detections) = moment.detections.take() {
                 let limited = self.limit(frame.stamp, &mut detections);
@@ -126,6 +129,27 @@ impl FrontEnd {
             }
             perceived.frames.push(frame);
         }
+        while let Some(moment) = self.sync.next_3d(last, &mut perceived.dropped) {
+            let (odom_frame, base_frame) = self.sync.frames();
+            perceived.frames.push(PerceivedFrame {
+                stamp: moment.stamp,
+                odom_frame: odom_frame.to_owned(),
+                base_frame: base_frame.to_owned(),
+                odometry: moment.odometry,
+                odometry_covariance: moment.odometry_covariance,
+                look: None,
+                in_space: Some(self.most_probable(moment.detections)),
+            });
+        }
+    }
+
+    /// As many detections in space as boxes of an image are looked at, with the score that these need.
+    fn most_probable(&self, mut found: Vec<(Detection3d, Pose)>) -> Vec<(Detection3d, Pose)> {
+        let PerceptionSettings { min_score, max_boxes, .. } = self.settings.perception;
+        found.retain(|(detection, _)| detection.probability() >= min_score);
+        found.sort_by(|(a, _), (b, _)| b.probability().total_cmp(&a.probability()));
+        found.truncate(max_boxes);
+        found
     }
 
     /// Keeps the most probable boxes and names, in the order in which they came: what an image costs is bounded.

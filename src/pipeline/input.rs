@@ -1,8 +1,9 @@
 //! Everything that can arrive. Replay and the live node differ only in who produces these.
 
+use super::Detections3dMessage;
 use crate::{
     geometry::{Camera, Pose},
-    perception::{DepthImage, Detection, Mask},
+    perception::{DepthImage, Detection, Detection3d, Mask},
     time::Stamp,
 };
 
@@ -24,6 +25,8 @@ pub enum Input {
     },
     /// The boxes of one image; an empty list says that the detector looked and found nothing.
     Detections(DetectionsMessage),
+    /// Objects that a detector measured in space. They need no images.
+    Detections3d(Detections3dMessage),
 }
 
 impl Input {
@@ -37,6 +40,14 @@ impl Input {
                     let of_mask = d.mask.as_ref().map_or(0, Mask::bytes);
                     let of_names = d.hypotheses().iter().map(of_name).sum::<usize>();
                     size_of::<Detection>() + of_mask + of_names
+                };
+                message.detections.iter().map(of_box).sum()
+            }
+            Self::Detections3d(message) => {
+                let of_name = |(name, _): &(String, f64)| 64 + name.len();
+                let of_box = |d: &Detection3d| {
+                    let names: usize = d.hypotheses().iter().map(of_name).sum();
+                    size_of::<Detection3d>() + d.frame_id.len() + names
                 };
                 message.detections.iter().map(of_box).sum()
             }

@@ -1,6 +1,6 @@
 //! All settings of the method.
 
-use super::SyncSettings;
+use super::{Detections3dSettings, SyncSettings};
 use crate::{
     mapping::{MappingSettings, RelocalisationSettings, SlamSettings},
     perception::{DepthNoise, PerceptionSettings},
@@ -15,6 +15,8 @@ pub struct Settings {
     pub sync: SyncSettings,
     /// The depth sensor.
     pub depth_noise: DepthNoise,
+    /// A detector that measures in space.
+    pub detections_3d: Detections3dSettings,
     /// Single-frame estimation.
     pub perception: PerceptionSettings,
     /// Association.

@@ -3,6 +3,7 @@
 use super::{
     Calibration, Dropped, FrontEnd, Input, Perceived, Settings,
     front_end::{Look, PerceivedFrame},
+    in_space::observation_in_space,
     maps::{LOCAL_FRAME, LOCAL_MAP, MapsToSave, SET_ASIDE_MAP, set_aside},
     observations::{observation, wall_in_base},
     odometry::Reading,
@@ -14,11 +15,12 @@ use crate::{
         SavedMap, Sighted, Sighting, View,
     },
     perception::{
-        DepthImage, Detection, EllipsoidMeasurement, Refused, Stage, StageObserver, WallSegment,
+        DepthImage, Detection, Detection3d, EllipsoidMeasurement, Refused, Stage, StageObserver,
+        WallSegment,
     },
     time::Stamp,
 };
-use nalgebra::Matrix6;
+use nalgebra::{Matrix6, Vector3};
 
 /// What came of one input.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +29,8 @@ pub struct Update {
     pub poses: Vec<FramePose>,
     /// Images whose boxes were worked on.
     pub keyframes: Vec<Keyframe>,
+    /// What came of detections in space.
+    pub keyframes_3d: Vec<Keyframe3d>,
     /// What happened to objects of the map, in order.
     pub changes: Vec<ObjectChange>,
     /// Messages that could not be used.
@@ -40,6 +44,7 @@ impl Update {
     pub(super) fn append(&mut self, later: Self) {
         self.poses.extend(later.poses);
         self.keyframes.extend(later.keyframes);
+        self.keyframes_3d.extend(later.keyframes_3d);
         self.changes.extend(later.changes);
         self.dropped.extend(later.dropped);
         self.relocalised = later.relocalised.or(self.relocalised.take());
@@ -82,6 +87,15 @@ pub struct Keyframe {
     pub depth: DepthImage,
     /// What is known by now of the camera's mount and of the clocks.
     pub calibration: Calibration,
+}
+
+/// What a detector measured in space at one time.
+#[derive(Clone, Debug)]
+pub struct Keyframe3d {
+    /// When.
+    pub stamp: Stamp,
+    /// Each detection with the object that it was joined to.
+    pub found: Vec<(Detection3d, Option<ObjectId>)>,
 }
 
 /// What came of one box.
@@ -239,9 +253,17 @@ impl ObjectSlam {
             (self.odom_frame, self.base_frame) = (frame.odom_frame, frame.base_frame);
             if let Some(look) = frame.look {
                 observer.enter(Some(Stage::Mapping));
-                let place = (stamp, &start_from_base, frame.odometry_covariance);
+                let place = (stamp, &start_from_base, frame.odometry_covariance.clone());
                 let keyframe = self.keyframe(place, look, &mut update);
                 update.keyframes.push(keyframe);
+                self.relocalise(false, &mut update);
+                observer.enter(None);
+            }
+            if let Some(found) = frame.in_space {
+                observer.enter(Some(Stage::Mapping));
+                let place = (stamp, &start_from_base, frame.odometry_covariance);
+                let keyframe = self.keyframe_3d(place, found, &mut update);
+                update.keyframes_3d.push(keyframe);
                 self.relocalise(false, &mut update);
                 observer.enter(None);
             }
@@ -336,6 +358,31 @@ impl ObjectSlam {
             base_from_camera,
             depth,
         }
+    }
+
+    /// Objects that were measured in space join the map. No image tells what should have been seen, so that nothing is missed.
+    fn keyframe_3d(
+        &mut self,
+        (stamp, odom_from_base, odometry_covariance): (Stamp, &Pose, Option<Box<[f64; 36]>>),
+        found: Vec<(Detection3d, Pose)>,
+        update: &mut Update,
+    ) -> Keyframe3d {
+        let up = odom_from_base.rotation.inverse() * Vector3::z_axis();
+        let seen = found.iter().map(|(detection, base_from_frame)| {
+            observation_in_space(detection, base_from_frame, &up, &self.settings)
+        });
+        let sighted = self.map.observe(&Sighting {
+            stamp,
+            odom_from_base: *odom_from_base,
+            odometry_covariance,
+            observations: seen.collect(),
+            walls: Vec::new(),
+            view: None,
+        });
+        update.dropped.extend(warnings(stamp, &sighted));
+        update.changes.extend(sighted.changes);
+        let found = found.into_iter().map(|(detection, _)| detection).zip(sighted.objects);
+        Keyframe3d { stamp, found: found.collect() }
     }
 }
 

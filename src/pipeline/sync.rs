@@ -8,6 +8,7 @@ use super::{
     StampedTransform,
     history::{Jump, Outside, is_long_before},
     odometry::{Odometry, Reading},
+    sync_3d::Waiting3d,
     transforms::{MAX_FRAMES, TransformError, Transforms},
 };
 use crate::{
@@ -91,6 +92,7 @@ pub(super) struct Sync {
     depth_camera: Option<CameraMessage>,
     odometry: Option<Odometry>,
     transforms: Transforms,
+    pub(super) in_space: Waiting3d,
     newest: Option<Stamp>,
     /// What is added to an image's stamp before odometry is asked (s).
     stamp_offset_s: f64,
@@ -111,6 +113,7 @@ impl Sync {
             depth_camera: None,
             odometry: None,
             transforms: Transforms::default(),
+            in_space: Waiting3d::default(),
             newest: None,
             stamp_offset_s: 0.0,
         }
@@ -149,6 +152,7 @@ impl Sync {
                     }
                 }
             }
+            Input::Detections3d(detections) => self.push_3d(detections, dropped),
             Input::Detections(detections) => {
                 self.detections.push_back(detections);
                 // Boxes with stamps of another clock never find an image: they must not pile up over a day.
@@ -194,6 +198,10 @@ impl Sync {
             }
             !before
         });
+        self.poses_jump_back(jump);
+    }
+
+    pub(super) fn poses_jump_back(&mut self, jump: &Jump) {
         if let Some(odometry) = &mut self.odometry {
             odometry.jump_back(jump);
         }
@@ -213,8 +221,7 @@ impl Sync {
             let stamp = self.depth.front()?.stamp;
             let waited = self.newest.map_or(0.0, |newest| newest.seconds_since(stamp));
             let give_up = last
-                || waited > self.settings.max_delay_s
-                || self.depth.len() > self.settings.max_waiting
+                || self.is_too_much(waited, self.depth.len())
                 || self.waiting_pixels() > MAX_WAITING_PIXELS;
             let boxes = self.boxes_of_front(give_up);
             if boxes == Boxes::Wait {
@@ -244,6 +251,11 @@ impl Sync {
                 }
             }
         }
+    }
+
+    /// Whether the oldest of what waits has waited long enough (s), or too much waits.
+    pub(super) fn is_too_much(&self, waited_s: f64, waiting: usize) -> bool {
+        waited_s > self.settings.max_delay_s || waiting > self.settings.max_waiting
     }
 
     fn waiting_pixels(&self) -> usize {
@@ -338,11 +350,24 @@ impl Sync {
             Some(given) => given,
             None => self.lookup(base, &color.frame_id, stamp)?,
         };
-        let odometry_covariance = self.odometry.as_ref().and_then(|o| o.covariance_at(stamp));
+        let odometry_covariance = self.odometry_covariance_at(stamp);
         Ok(Poses { color, registration, odometry, velocity, odometry_covariance, base_from_camera })
     }
 
-    fn reading(&self, at: Stamp) -> Result<Reading, Unknown> {
+    pub(super) fn odometry_covariance_at(&self, stamp: Stamp) -> Option<Box<[f64; 36]>> {
+        self.odometry.as_ref().and_then(|odometry| odometry.covariance_at(stamp))
+    }
+
+    /// Where a frame other than the camera's is on the base; any but the base's own is the camera where its pose is given by hand.
+    pub(super) fn place_on_base(&self, frame: &str, stamp: Stamp) -> Result<Pose, Unknown> {
+        let base = self.frames().1;
+        match self.settings.camera_pose.base_from_camera() {
+            Some(given) if frame != base => Ok(given),
+            _ => self.lookup(base, frame, stamp),
+        }
+    }
+
+    pub(super) fn reading(&self, at: Stamp) -> Result<Reading, Unknown> {
         let Some(odometry) = &self.odometry else {
             let odom_from_base = self.lookup(&self.settings.odom_frame, self.base_frame(), at)?;
             return Ok(Reading { odom_from_base, start_from_odom: Pose::identity() });
@@ -430,10 +455,10 @@ struct Poses {
 }
 
 /// A pose that is not known, and whether it may come.
-struct Unknown {
-    early: bool,
-    reason: &'static str,
-    why: String,
+pub(super) struct Unknown {
+    pub(super) early: bool,
+    pub(super) reason: &'static str,
+    pub(super) why: String,
 }
 
 impl Unknown {

@@ -140,6 +140,8 @@ impl Publication {
         for keyframe in &update.keyframes {
             self.keyframe(keyframe, &mut out);
         }
+        let found = update.keyframes_3d.iter().flat_map(|keyframe| &keyframe.found);
+        self.changed |= found.into_iter().any(|(_, object)| object.is_some());
         self.changed |= !update.changes.is_empty() || update.relocalised.is_some();
         let newest = update.poses.iter().map(|pose| pose.stamp).max();
         if let Some(stamp) = newest.filter(|stamp| self.changed && self.is_due(*stamp)) {

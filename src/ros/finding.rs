@@ -56,7 +56,9 @@ impl Finding {
 
     /// A topic for each role, as soon as everything that is needed is there. Until then `inputs` says what is missing.
     pub(super) async fn find(&self, inputs: &Inputs) -> Sources {
-        let all_named = Role::ALL.iter().all(|role| self.given.iter().any(|g| g.role == *role));
+        // Objects in space are looked for where there is no depth only.
+        let mut others = Role::ALL.iter().filter(|role| **role != Role::Detections3d);
+        let all_named = others.all(|role| self.given.iter().any(|g| g.role == *role));
         let (mut before, mut looks): (Option<Sources>, usize) = (None, 0);
         loop {
             let topics = self.published();

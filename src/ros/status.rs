@@ -105,7 +105,7 @@ impl Shared {
             tracing::info!("the place in the loaded map is recognised");
         }
         status.frames += update.poses.len() as u64;
-        status.keyframes += update.keyframes.len() as u64;
+        status.keyframes += (update.keyframes.len() + update.keyframes_3d.len()) as u64;
         if let Some(keyframe) = update.keyframes.last() {
             status.calibration = keyframe.calibration;
             status.keyframe_time = took;

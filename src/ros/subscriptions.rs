@@ -18,7 +18,7 @@ use crate::{
         nav_msgs::Odometry,
         sensor_msgs::{CameraInfo, CompressedImage, Image},
         tf2_msgs::TFMessage,
-        vision_msgs::Detection2DArray,
+        vision_msgs::{Detection2DArray, Detection3DArray},
         yolo_msgs::DetectionArray,
     },
     pipeline::{CameraRole, Input},
@@ -83,13 +83,17 @@ impl Subscriptions<'_> {
         sources: &Sources,
     ) -> Result<(), NotCreated> {
         let roles = &sources.roles;
-        let sizes = self.cameras(settings, sources)?;
-        self.depth(sources, settings.qos.depth, sizes.clone())?;
         if let Some(topic) = &roles.odometry {
             self.odometry(topic, settings.qos.odometry)?;
         }
-        if self.detected.is_none() {
-            self.detections(settings, sources, sizes.color)?;
+        if let Some(topic) = &roles.detections_3d {
+            self.detections_3d(settings, sources, topic)?;
+        } else {
+            let sizes = self.cameras(settings, sources)?;
+            self.depth(sources, settings.qos.depth, sizes.clone())?;
+            if self.detected.is_none() {
+                self.detections(settings, sources, sizes.color)?;
+            }
         }
         if self.detected.is_some() || self.drawn.is_some() {
             self.color(settings, sources)?;
@@ -192,7 +196,7 @@ impl Subscriptions<'_> {
         let role = Role { role: "detections", needed: true, is_present: false };
         let topic = &sources.roles.detections;
         let qos = qos::input(settings.qos.detections, SMALL_DEPTH);
-        match sources.detections_type(settings.topics.detections_type) {
+        match sources.detections_type(topic, settings.topics.detections_type) {
             DetectionsType::VisionMsgs => {
                 self.listen(role, topic, qos, move |boxes: Detection2DArray, left_out| {
                     let (boxes, bad) = convert::detections(&boxes, size.get());
@@ -205,6 +209,32 @@ impl Subscriptions<'_> {
                     let (boxes, bad) = convert::yolo_detections(&boxes, size.get());
                     left_out.extend(bad);
                     Ok(Heard::Input(Input::Detections(boxes)))
+                })
+            }
+        }
+    }
+
+    fn detections_3d(
+        &mut self,
+        settings: &NodeSettings,
+        sources: &Sources,
+        topic: &str,
+    ) -> Result<(), NotCreated> {
+        let role = Role { role: "detections_3d", needed: true, is_present: true };
+        let qos = qos::input(settings.qos.detections, SMALL_DEPTH);
+        match sources.detections_type(topic, settings.topics.detections_type) {
+            DetectionsType::VisionMsgs => {
+                self.listen(role, topic, qos, |found: Detection3DArray, left_out| {
+                    let (found, bad) = convert::found_in_space(&found);
+                    left_out.extend(bad);
+                    Ok(Heard::Input(Input::Detections3d(found)))
+                })
+            }
+            DetectionsType::YoloMsgs => {
+                self.listen(role, topic, qos, |found: DetectionArray, left_out| {
+                    let (found, bad) = convert::yolo_found_in_space(&found);
+                    left_out.extend(bad);
+                    Ok(Heard::Input(Input::Detections3d(found)))
                 })
             }
         }
@@ -276,8 +306,8 @@ impl Sources {
     }
 
     /// Whose boxes these are: as they were found, or as the settings say.
-    fn detections_type(&self, named: DetectionsType) -> DetectionsType {
-        match self.types.get(&self.roles.detections).map(String::as_str) {
+    fn detections_type(&self, topic: &str, named: DetectionsType) -> DetectionsType {
+        match self.types.get(topic).map(String::as_str) {
             Some(DetectionArray::TYPE) => DetectionsType::YoloMsgs,
             Some(_) => DetectionsType::VisionMsgs,
             None => named,
@@ -358,5 +388,6 @@ fn stamp_of(input: &Input) -> Option<Stamp> {
         Input::Odometry(odometry) => Some(odometry.stamp),
         Input::Transforms { transforms, .. } => transforms.iter().map(|t| t.stamp).max(),
         Input::Detections(detections) => Some(detections.stamp),
+        Input::Detections3d(detections) => Some(detections.stamp),
     }
 }

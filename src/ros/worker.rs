@@ -83,7 +83,7 @@ impl Worker {
                     announce(&update, &self.slam);
                     self.outputs.publish(&update, &self.slam);
                     self.status.worked(&update, &self.slam, perceiving + (now() - started));
-                    if !update.keyframes.is_empty() {
+                    if !(update.keyframes.is_empty() && update.keyframes_3d.is_empty()) {
                         self.tell();
                     } else if !update.poses.is_empty() {
                         let base = self.outputs.base(&self.slam);

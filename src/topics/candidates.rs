@@ -7,7 +7,9 @@ use super::{
         is_never_input, is_one_eye, may_be_color, may_be_depth, namespace, root,
     },
 };
-use crate::msg::{Message, convert::without_transport, tf2_msgs::TFMessage};
+use crate::msg::{
+    Message, convert::without_transport, tf2_msgs::TFMessage, yolo_msgs::DetectionArray,
+};
 
 /// Where topics are looked for.
 #[derive(Clone, Copy)]
@@ -109,6 +111,15 @@ impl Candidates<'_> {
                 ("has boxes in space", &|topic| topic.name.contains("3d")),
                 ("has tracks", &|topic| topic.name.contains("track")),
             ],
+        )
+    }
+
+    /// Objects in space. What `yolo_ros` sends has the same type with and without them.
+    pub(super) fn detections_3d(&self) -> Option<Choice> {
+        self.best(
+            Role::Detections3d,
+            |topic| topic.type_name != DetectionArray::TYPE || topic.name.contains("3d"),
+            &[("has tracks", &|topic| topic.name.contains("track"))],
         )
     }
 

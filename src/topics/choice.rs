@@ -58,6 +58,14 @@ pub fn choose(topics: &[Topic], given: &[Remap], namespace: &str) -> Assigned {
     });
     let detections = choosing.of(Role::Detections, || found.detections());
     let odometry = choosing.of(Role::Odometry, || found.odometry());
+    // What measures in space by itself is used where it is named, or there is no depth.
+    let is_named = given.iter().any(|remap| remap.role == Role::Detections3d);
+    let in_space = (is_named || depth.is_none())
+        .then(|| choosing.of(Role::Detections3d, || found.detections_3d()))
+        .flatten();
+    if let Some(in_space) = in_space {
+        return choosing.in_space(&found, in_space, odometry);
+    }
     let needed =
         [(Role::Depth, &depth), (Role::CameraInfo, &camera_info), (Role::Detections, &detections)];
     let missing = needed.iter().filter(|(_, topic)| topic.is_none()).map(|(role, _)| *role);
@@ -69,6 +77,7 @@ pub fn choose(topics: &[Topic], given: &[Remap], namespace: &str) -> Assigned {
         depth_camera_info,
         odometry,
         detections: detections.unwrap_or_default(),
+        detections_3d: None,
         tf: found.transforms("tf"),
         tf_static: found.transforms("tf_static"),
     };
@@ -81,6 +90,24 @@ struct Choosing<'a> {
 }
 
 impl Choosing<'_> {
+    /// Objects in space need poses, and nothing else.
+    fn in_space(
+        mut self,
+        found: &Candidates<'_>,
+        topic: String,
+        odometry: Option<String>,
+    ) -> Assigned {
+        self.choices.retain(|choice| matches!(choice.role, Role::Detections3d | Role::Odometry));
+        let roles = Roles {
+            odometry,
+            detections_3d: Some(topic),
+            tf: found.transforms("tf"),
+            tf_static: found.transforms("tf_static"),
+            ..Roles::default()
+        };
+        Assigned { roles, missing: Vec::new(), choices: self.choices }
+    }
+
     /// What was given last, or what is found. Nothing where the role was given no topic.
     fn of(&mut self, role: Role, find: impl FnOnce() -> Option<Choice>) -> Option<String> {
         if let Some(given) = self.given.iter().rev().find(|remap| remap.role == role) {

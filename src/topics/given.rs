@@ -80,6 +80,7 @@ fn name_of(settings: &TopicSettings, role: Role) -> &str {
         Role::DepthCameraInfo => &settings.depth_camera_info,
         Role::Odometry => &settings.odometry,
         Role::Detections => &settings.detections,
+        Role::Detections3d => &settings.detections_3d,
     }
 }
 

@@ -4,7 +4,7 @@ use crate::msg::{
     Message,
     nav_msgs::Odometry,
     sensor_msgs::{CameraInfo, CompressedImage, Image},
-    vision_msgs::Detection2DArray,
+    vision_msgs::{Detection2DArray, Detection3DArray},
     yolo_msgs::DetectionArray,
 };
 use serde::Serialize;
@@ -26,6 +26,8 @@ pub enum Role {
     Odometry,
     /// 2D boxes.
     Detections,
+    /// Objects that a detector measured in space, in place of depth and boxes.
+    Detections3d,
 }
 
 impl Role {
@@ -37,6 +39,7 @@ impl Role {
         Self::DepthCameraInfo,
         Self::Odometry,
         Self::Detections,
+        Self::Detections3d,
     ];
 
     /// The name on the command line, and in the section `topics` of a parameter file.
@@ -48,6 +51,7 @@ impl Role {
             Self::DepthCameraInfo => "depth_camera_info",
             Self::Odometry => "odometry",
             Self::Detections => "detections",
+            Self::Detections3d => "detections_3d",
         }
     }
 
@@ -60,6 +64,7 @@ impl Role {
             Self::DepthCameraInfo => "depth/camera_info",
             Self::Odometry => "odom",
             Self::Detections => "detections",
+            Self::Detections3d => "detections_3d",
         }
     }
 
@@ -70,6 +75,7 @@ impl Role {
             Self::CameraInfo | Self::DepthCameraInfo => &[CameraInfo::TYPE],
             Self::Odometry => &[Odometry::TYPE],
             Self::Detections => &[Detection2DArray::TYPE, DetectionArray::TYPE],
+            Self::Detections3d => &[Detection3DArray::TYPE, DetectionArray::TYPE],
         }
     }
 }

@@ -22,6 +22,8 @@ pub struct Roles {
     pub odometry: Option<String>,
     /// 2D boxes.
     pub detections: String,
+    /// Objects in space; where this is used, depth, boxes and calibrations are not.
+    pub detections_3d: Option<String>,
     /// Moving transforms.
     pub tf: Vec<String>,
     /// Fixed transforms.
@@ -44,7 +46,11 @@ impl Assigned {
     #[must_use]
     pub fn for_detector(mut self) -> Self {
         self.roles.detections.clear();
-        self.choices.retain(|choice| choice.role != Role::Detections);
+        if self.roles.detections_3d.take().is_some() {
+            self.missing.extend([Role::Depth, Role::CameraInfo]);
+        }
+        let of_another = [Role::Detections, Role::Detections3d];
+        self.choices.retain(|choice| !of_another.contains(&choice.role));
         self.missing.retain(|role| *role != Role::Detections);
         self.missing.extend(self.roles.rgb.is_none().then_some(Role::Rgb));
         self
@@ -102,7 +108,7 @@ impl Roles {
     /// Topics that the core needs: all but colour.
     pub fn core_topics(&self) -> impl Iterator<Item = &str> {
         let required = [&self.depth, &self.camera_info, &self.detections];
-        let optional = [&self.depth_camera_info, &self.odometry];
+        let optional = [&self.depth_camera_info, &self.odometry, &self.detections_3d];
         let optional = optional.into_iter().flatten();
         let all = required.into_iter().chain(optional).chain(&self.tf).chain(&self.tf_static);
         all.map(String::as_str)
@@ -117,6 +123,7 @@ impl Roles {
             Role::DepthCameraInfo => self.depth_camera_info.as_deref(),
             Role::Odometry => self.odometry.as_deref(),
             Role::Detections => Some(self.detections.as_str()),
+            Role::Detections3d => self.detections_3d.as_deref(),
         };
         topic.filter(|name| !name.is_empty())
     }

@@ -11,6 +11,7 @@ mod evo;
 mod environment;
 mod export;
 mod gtsam;
+mod in_space;
 mod interruption;
 mod kill;
 mod python;

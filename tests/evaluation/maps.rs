@@ -283,3 +283,21 @@ fn maps_are_regular_files() {
     assert_eq!(fs::read_to_string(&target).unwrap(), "precious");
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
 }
+
+/// The tables of the documentation have the fields of a map file, and no others.
+#[test]
+fn every_field_is_documented() {
+    let map = read_map(&file().to_string()).unwrap();
+    let written: Value = serde_json::from_str(&map_json(&map).unwrap()).unwrap();
+    let of_file = written.as_object().unwrap().keys();
+    let of_object = written["objects"][0].as_object().unwrap().keys();
+    let mut fields: Vec<&str> = of_file.chain(of_object).map(String::as_str).collect();
+    let path = format!("{}/docs/map-file.md", env!("CARGO_MANIFEST_DIR"));
+    let page = fs::read_to_string(path).unwrap();
+    let rows = page.lines().filter(|line| line.starts_with("| `"));
+    let cells = rows.filter_map(|row| row.trim_start_matches("| ").split(" | ").next());
+    let mut named: Vec<&str> = cells.flat_map(|cell| cell.split('`').skip(1).step_by(2)).collect();
+    fields.sort_unstable();
+    named.sort_unstable();
+    assert_eq!(named, fields);
+}

@@ -6,13 +6,13 @@ use ellipsoid_slam::{
         Message,
         nav_msgs::Odometry,
         sensor_msgs::{CameraInfo, CompressedImage, Image},
-        vision_msgs::Detection2DArray,
+        vision_msgs::{Detection2DArray, Detection3DArray},
         yolo_msgs::DetectionArray,
     },
     topics::{Assigned, Remap, Role, Topic, choose, given_by, given_to_node},
 };
 
-/// Names of topics; `i` images, `z` compressed ones, `c` calibrations, `o` odometry, `b` boxes, `y` boxes of yolo_ros.
+/// Names of topics; `i` images, `z` compressed ones, `c` calibrations, `o` odometry, `b` boxes, `y` boxes of yolo_ros, `s` objects in space.
 fn topics(list: &str) -> Vec<Topic> {
     let topic = |word: &str| {
         let (kind, name) = word.split_once(':').unwrap();
@@ -23,6 +23,7 @@ fn topics(list: &str) -> Vec<Topic> {
             "o" => Odometry::TYPE,
             "b" => Detection2DArray::TYPE,
             "y" => DetectionArray::TYPE,
+            "s" => Detection3DArray::TYPE,
             _ => panic!("{word}"),
         };
         let (name, type_name) = (name.into(), type_name.into());
@@ -34,7 +35,7 @@ fn topics(list: &str) -> Vec<Topic> {
 /// `rgb depth camera_info depth_camera_info odometry detections`, `-` for none.
 fn roles(assigned: &Assigned) -> String {
     let topic = |role: &Role| assigned.roles.topic_of(*role).unwrap_or("-");
-    Role::ALL.iter().map(topic).collect::<Vec<_>>().join(" ")
+    Role::ALL[..6].iter().map(topic).collect::<Vec<_>>().join(" ")
 }
 
 /// The camera, what is published where it runs, and what is to be chosen: colour, depth, both calibrations, odometry, boxes.
@@ -222,4 +223,28 @@ fn the_section_topics_counts_offline() {
         roles(&choose(&all, &named, "/")),
         "- /x/zimage/compressed /x/camera_info - - /boxes"
     );
+}
+
+/// Depth and boxes tell more than objects in space: these are used where there is no depth, or where they are named.
+#[test]
+fn objects_in_space_stand_in_for_depth() {
+    let in_space = |published: &str, given: &[Remap]| {
+        let assigned = choose(&topics(published), given, "/");
+        (assigned.roles.detections_3d.clone(), assigned)
+    };
+    let (of_oak, assigned) =
+        in_space("s:/oak/nn/spatial_detections o:/odom i:/oak/rgb/image_raw", &[]);
+    assert_eq!(of_oak.as_deref(), Some("/oak/nn/spatial_detections"));
+    assert_eq!((roles(&assigned).as_str(), assigned.missing.len()), ("- - - - /odom -", 0));
+    let (of_yolo, _) = in_space("y:/yolo/detections y:/yolo/detections_3d o:/odom", &[]);
+    assert_eq!(of_yolo.as_deref(), Some("/yolo/detections_3d"));
+    let with_depth = "s:/spatial i:/depth/image_raw c:/depth/camera_info b:/boxes";
+    let (none, assigned) = in_space(with_depth, &[]);
+    assert_eq!((none, assigned.missing.len()), (None, 0));
+    let named: Remap = "detections_3d:=/spatial".parse().unwrap();
+    let (named, assigned) = in_space(with_depth, &[named]);
+    assert_eq!((named.as_deref(), assigned.roles.depth.as_str()), (Some("/spatial"), ""));
+    // A detector of our own needs depth.
+    let missing = in_space("s:/spatial i:/color/image_raw", &[]).1.for_detector().missing;
+    assert_eq!(missing, [Role::Depth, Role::CameraInfo, Role::Rgb]);
 }

@@ -14,13 +14,13 @@ use ellipsoid_slam::{
     io::{BagInput, BagReader, load_saved_map, map_json, read_map},
     msg::{
         cdr::{self, decode, decode_header, decode_request},
-        convert,
+        convert::{self, found_in_space, yolo_found_in_space},
         ellipsoid_slam::{LoadMap, QueryObjects, QueryObjectsRequest, SaveMap},
         nav_msgs::Odometry,
         sensor_msgs::{CameraInfo, CompressedImage, Image},
         std_srvs::{SetBool, Trigger},
         tf2_msgs::TFMessage,
-        vision_msgs::Detection2DArray,
+        vision_msgs::{Detection2DArray, Detection3DArray},
         yolo_msgs::DetectionArray,
     },
     pipeline::CameraRole,
@@ -149,9 +149,8 @@ fn bytes_of_messages() {
             decode::<Detection2DArray>(bytes)
                 .map(|m| drop(convert::detections(&m, size)))
                 .map_err(Into::into),
-            decode::<DetectionArray>(bytes)
-                .map(|m| drop(convert::yolo_detections(&m, size)))
-                .map_err(Into::into),
+            decode::<DetectionArray>(bytes).map(|m| of_yolo(&m, size)).map_err(Into::into),
+            decode::<Detection3DArray>(bytes).map(|m| drop(found_in_space(&m))).map_err(Into::into),
             decode_request::<QueryObjects>(bytes).map(drop).map_err(Into::into),
             decode_request::<SaveMap>(bytes).map(drop).map_err(Into::into),
             decode_request::<LoadMap>(bytes).map(drop).map_err(Into::into),
@@ -196,4 +195,10 @@ fn bytes_of_parameters() {
             Err(why) => is_sentence(&why.to_string()),
         }
     });
+}
+
+/// Boxes with masks in the image, and boxes in space.
+fn of_yolo(message: &DetectionArray, size: Option<(u32, u32)>) {
+    drop(convert::yolo_detections(message, size));
+    drop(yolo_found_in_space(message));
 }

@@ -15,6 +15,7 @@ mod detector;
 mod fixtures;
 mod fuzz;
 mod generations;
+mod in_space;
 mod inspect;
 mod mutants;
 #[cfg(feature = "detector")]

@@ -37,6 +37,7 @@ fn letter(input: &Input) -> char {
         Input::Transforms { is_static: true, .. } => 'S',
         Input::Transforms { is_static: false, .. } => 't',
         Input::Detections(_) => 'b',
+        Input::Detections3d(_) => 'B',
     }
 }
 

@@ -55,7 +55,7 @@ pub fn inspect(
         slop_s,
         detections_to_depth: seen.matching(Role::Detections, slop_s),
         rgb_to_depth: seen.matching(Role::Rgb, slop_s),
-        odometry: seen.coverage(),
+        odometry: seen.coverage(&roles),
         frames: seen.frames(&roles, settings),
         roles,
         choices,
@@ -144,14 +144,16 @@ impl Seen {
         Matching::of(self.stamps(role), self.stamps(Role::Depth), slop_s)
     }
 
-    fn coverage(&self) -> Option<Coverage> {
-        Coverage::of(self.stamps(Role::Odometry), self.stamps(Role::Depth))
+    fn coverage(&self, roles: &Roles) -> Option<Coverage> {
+        let measured = roles.detections_3d.as_ref().map_or(Role::Depth, |_| Role::Detections3d);
+        Coverage::of(self.stamps(Role::Odometry), self.stamps(measured))
     }
 
     fn frames(&self, roles: &Roles, settings: &SyncSettings) -> Frames {
         let first_of = |role| self.by_role.get(&role)?.frames.first().cloned();
         let odometry = roles.odometry.as_ref().and_then(|_| self.base_frame.clone());
-        let (camera, depth) = (first_of(Role::CameraInfo), first_of(Role::Depth));
+        let camera = roles.detections_3d.as_ref().map_or(Role::CameraInfo, |_| Role::Detections3d);
+        let (camera, depth) = (first_of(camera), first_of(Role::Depth));
         let mut frames = self.graph.frames(odometry, camera, depth);
         if settings.camera_pose.base_from_camera().is_some() {
             frames.base_to_camera = Some(true);

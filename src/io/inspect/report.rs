@@ -126,11 +126,17 @@ impl BagReport {
         match (&self.roles.odometry, &self.odometry) {
             (None, _) if !self.frames.camera_moves => Some(NO_ODOMETRY.to_owned()),
             (Some(topic), Some(Coverage { share })) if *share < 0.999 => Some(format!(
-                "{topic} covers only {:.0} % of the depth images; the others cannot be used",
-                100.0 * share
+                "{topic} covers only {:.0} % of the {}; the others cannot be used",
+                100.0 * share,
+                self.measured()
             )),
             _ => None,
         }
+    }
+
+    /// What tells where things are.
+    fn measured(&self) -> &'static str {
+        self.roles.detections_3d.as_ref().map_or("depth images", |_| "detections")
     }
 
     fn frame_problems(&self) -> Vec<String> {
@@ -197,7 +203,7 @@ impl BagReport {
             }
         }
         if let Some(Coverage { share }) = &self.odometry {
-            writeln!(f, "  odometry covers {:.0} % of the depth images", 100.0 * share)?;
+            writeln!(f, "  odometry covers {:.0} % of the {}", 100.0 * share, self.measured())?;
         }
         Ok(())
     }

@@ -8,6 +8,7 @@ mod depth;
 mod detections;
 mod error;
 mod image_topic;
+mod in_space;
 mod markers;
 mod measurements;
 mod objects;
@@ -28,6 +29,7 @@ pub use detections::{
 };
 pub use error::ConvertError;
 pub use image_topic::{is_rectified, without_transport};
+pub use in_space::{detection_3d_array, found_in_space, yolo_found_in_space};
 pub use markers::{
     ObjectShapes, color_of, deletion_markers, measurement_markers, object_markers, outlined,
 };

@@ -119,7 +119,7 @@ pub fn pose_from_message(message: &geometry::Pose) -> Option<Pose> {
 }
 
 /// A pose from its parts; the quaternion may have any length but zero.
-fn pose(position: [f64; 3], q: geometry::Quaternion) -> Option<Pose> {
+pub(super) fn pose(position: [f64; 3], q: geometry::Quaternion) -> Option<Pose> {
     let quaternion = nalgebra::Quaternion::new(q.w, q.x, q.y, q.z);
     let finite = position.iter().all(|v| v.is_finite()) && quaternion.norm().is_finite();
     let rotation = UnitQuaternion::try_new(quaternion, MIN_NORM).filter(|_| finite)?;

@@ -4,6 +4,7 @@ mod arrays;
 mod calibration;
 mod clocks;
 mod glimpses;
+mod in_space;
 mod limits;
 mod missing;
 mod moved_chair;
