@@ -23,8 +23,12 @@ impl MapObject {
         self.glimpsed && !self.placed
     }
 
-    /// Looks whether it is known where it is from a pose that it was seen from: how well the pose is known is no matter.
+    /// Of what does not count yet, looks whether it is known where it is from a pose that it was seen from: how well the pose is
+    /// known is no matter.
     pub(super) fn judge_place(&mut self, graph: &Graph, pose: PoseId) {
+        if self.counts() {
+            return;
+        }
         let pose_from_object = graph.pose(pose).inverse() * self.ellipsoid.pose;
         let mut by_both = SMatrix::<f64, 3, 15>::zeros();
         let rotation = pose_from_object.rotation.to_rotation_matrix().into_inner();

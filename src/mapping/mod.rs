@@ -6,6 +6,7 @@ mod association;
 mod beginning;
 mod company;
 mod continuation;
+mod displacement;
 mod editing;
 mod existence;
 mod gate;

@@ -4,6 +4,7 @@ use super::{
     Association, GateSettings, LabelSettings, LifeSettings, MapObject, Notice, ObjectChange,
     ObjectId, Observation, Sighting, SlamSettings, WallSighting,
     association::{Associated, Decision, Evidence},
+    displacement::Displacement,
     gate::{KnownPose, Step},
     initial::InitialViews,
     life::Departed,
@@ -157,8 +158,10 @@ impl ObjectMap {
         let walls = self.walls.tie(&mut self.graph, (&place, step.as_ref()), walls, &self.slam)?;
         let map_from_base = place.map_from_base(&self.graph);
         let associated = self.associated(sighting, step, (place.keyframe.pose, &map_from_base));
+        let shown = Displacement::new(self, observations, &associated.decisions, &place);
         let mut found = Vec::with_capacity(observations.len());
-        for (observation, decision) in observations.iter().zip(&associated.decisions) {
+        for (of, observation) in observations.iter().enumerate() {
+            let decision = &associated.decisions[of];
             let at = match decision {
                 Decision::Object(at) | Decision::Anew(at) => Some(*at),
                 Decision::Wait => None,
@@ -185,7 +188,10 @@ impl ObjectMap {
                 loose.extend(object.begin_anew(&mut self.graph, &in_map));
             }
             object.join(*stamp, observation, &map_from_base, &self.settings);
+            let looks = object.looks.count();
             loose.extend(object.tie(&mut self.graph, observation, &place, &self.slam)?);
+            let of_pose = shown.of_pose(of).filter(|_| object.looks.count() > looks);
+            loose.extend(object.follow_little(&mut self.graph, of_pose)?);
         }
         self.graph.update()?;
         self.chain.forget(thinned);
@@ -193,9 +199,7 @@ impl ObjectMap {
         self.chain.note_loose(loose);
         self.refresh(found.iter().copied().flatten());
         for at in found.iter().copied().flatten() {
-            if !self.objects[at].counts() {
-                self.objects[at].judge_place(&self.graph, place.keyframe.pose);
-            }
+            self.objects[at].judge_place(&self.graph, place.keyframe.pose);
         }
         Ok((associated, found))
     }
@@ -212,7 +216,7 @@ impl ObjectMap {
         let in_map = measured.ellipsoid.transformed(&place.map_from_base(&self.graph));
         let object = &mut self.objects[at];
         object.look(&self.graph, (measured, &in_map), place);
-        object.follow(&mut self.graph)
+        object.follow(&mut self.graph, false)
     }
 
     /// What each observation is taken for.

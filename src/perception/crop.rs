@@ -42,9 +42,9 @@ impl Crop {
                 let Some(z) = frame.depth().at(u, v).map(f64::from) else { continue };
                 if z <= settings.max_range_m
                     && !is_flying(frame, u, v)
-                    && let Some(at) = frame.point_in_level(u, v)
+                    && let Some(point) = SurfacePoint::read(frame, u, v)
                 {
-                    points.push(SurfacePoint { u, v, at, sigma_m: frame.sigma_m(z), normal: None });
+                    points.push(point);
                 }
             }
         }

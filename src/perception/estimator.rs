@@ -117,8 +117,11 @@ pub fn estimate_frame(
         estimates[at] = estimate_object(frame, scenery, detection, settings, &are_others, observer);
     }
     let seen = (scenery, detections);
-    let (objects, glimpses) = (detections.iter().zip(estimates))
-        .map(|of_box| measured_or_glimpsed(frame, of_box, seen, settings))
+    let (objects, glimpses) = (detections.iter().zip(estimates).enumerate())
+        .map(|(at, of_box)| {
+            let are_others = |p: &SurfacePoint| masks.forbid(at, p) || claims.are_others(at, p);
+            measured_or_glimpsed(frame, of_box, (seen, &are_others), settings)
+        })
         .unzip();
     FrameEstimate { planes, walls, objects, glimpses }
 }
@@ -127,18 +130,21 @@ pub fn estimate_frame(
 fn measured_or_glimpsed(
     frame: &Frame<'_>,
     (detection, estimate): (&Detection, Result<Estimate<'_>, Refused>),
-    seen: (Scenery<'_>, &[Detection]),
+    (seen, are_others): ((Scenery<'_>, &[Detection]), Others<'_>),
     settings: &PerceptionSettings,
 ) -> (Result<EllipsoidMeasurement, Refused>, Option<Glimpse>) {
     let is_vague = estimate.as_ref().map_or(true, |estimate| estimate.is_vague);
     let wanted = settings.glimpses && is_vague;
-    let glimpse = wanted.then(|| glimpse(frame, detection, seen, settings)).flatten();
+    let glimpse = wanted.then(|| glimpse(frame, detection, seen, are_others, settings)).flatten();
     let measured = match estimate {
         Ok(_) if glimpse.is_some() => Err(Refused::TooLittleSeen { known: 0 }),
         estimate => estimate.map(|estimate| estimate.measurement),
     };
     (measured, glimpse)
 }
+
+/// Whether a reading is of another box's object.
+type Others<'a> = &'a dyn Fn(&SurfacePoint) -> bool;
 
 /// What is around the objects of a frame, in the level frame.
 #[derive(Clone, Copy)]
@@ -161,7 +167,7 @@ fn estimate_object<'a>(
     scenery: Scenery<'a>,
     detection: &Detection,
     settings: &PerceptionSettings,
-    are_others: &dyn Fn(&SurfacePoint) -> bool,
+    are_others: Others<'_>,
     observer: &mut dyn StageObserver,
 ) -> Result<Estimate<'a>, Refused> {
     observer.enter(Some(Stage::Segmentation));

@@ -1,9 +1,14 @@
 //! What a box says where depth does not suffice for a measurement: a direction, and how far off something of its class
 //! would be that looks so large.
 
-use super::{Detection, Frame, PerceptionSettings, SupportPlane, WallSegment, estimator::Scenery};
+use super::{
+    Detection, Frame, PerceptionSettings, SupportPlane,
+    estimator::Scenery,
+    readings::{GRID, Readings, WALL_M},
+    segmentation::SurfacePoint,
+};
 use crate::geometry::{Camera, Ellipsoid, Plane, Pose, Rect};
-use nalgebra::{Matrix3, Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
 /// An object of which one frame shows hardly more than the direction. From several places, such views tell where it is.
 #[derive(Clone, Debug)]
@@ -59,11 +64,13 @@ pub struct UsualSize {
 ///
 /// Where nothing but a wall is read, nothing of a class that would stand before it is there: it is a picture of one.
 ///
-/// What is `around` the objects and `detections` are all of the image, the latter with this one.
+/// What is `around` the objects and `detections` are all of the image, the latter with this one. Readings that `are_others` are of
+/// what hides the object, or shows through it: they do not tell where it is.
 pub(super) fn glimpse(
     frame: &Frame<'_>,
     detection: &Detection,
     (around, detections): (Scenery<'_>, &[Detection]),
+    are_others: &dyn Fn(&SurfacePoint) -> bool,
     settings: &PerceptionSettings,
 ) -> Option<Glimpse> {
     let rect = &detection.rect;
@@ -76,7 +83,7 @@ pub(super) fn glimpse(
         others: detections.iter().map(|other| other.rect).filter(|other| other != rect).collect(),
     };
     let Readings { ranges, of_object, before_m, is_flat } =
-        Readings::new(frame, rect, around.walls);
+        Readings::new(frame, rect, around.walls, are_others);
     if is_flat && prior.size_m.is_some_and(|[_, short_m, _]| short_m > 2.0 * WALL_M) {
         return None;
     }
@@ -345,59 +352,6 @@ impl Surroundings<'_> {
     }
 }
 
-/// What depth says in the middle of a box.
-struct Readings {
-    /// All ranges (m).
-    ranges: Vec<f64>,
-    /// That of the front of the object (m), if enough was read to tell.
-    of_object: Option<f64>,
-    /// How far off the object is at most, as there is a wall (m).
-    before_m: f64,
-    /// Whether the box shows a wall and nothing before it.
-    is_flat: bool,
-}
-
-impl Readings {
-    /// Of a plant and between the legs of a chair one reads the wall behind more often than the object.
-    fn new(frame: &Frame<'_>, rect: &Rect, walls: &[WallSegment]) -> Self {
-        let cell = |low: f64, extent: f64, at: usize| {
-            low + extent * (0.25 + 0.5 * (at as f64 + 0.5) / GRID as f64)
-        };
-        let read: Vec<Point3<f64>> = (0..GRID * GRID)
-            .filter_map(|at| {
-                let u = cell(rect.x_min, rect.width(), at % GRID).round() as i32;
-                let v = cell(rect.y_min, rect.height(), at / GRID).round() as i32;
-                frame.point_in_level(u, v)
-            })
-            .collect();
-        let ranges: Vec<f64> = read.iter().map(|p| p.coords.norm()).collect();
-        let is_wall = |p: &Point3<f64>| walls.iter().any(|wall| wall.before_m(p).abs() < WALL_M);
-        let at: (Vec<usize>, Vec<usize>) = (0..read.len()).partition(|at| is_wall(&read[*at]));
-        let [on_wall, few] = [at.0, at.1].map(|at| sorted(at.into_iter().map(|at| ranges[at])));
-        let is_thin = (FEW..GRID * GRID / 2).contains(&few.len());
-        let of_object = if is_thin && few[3 * few.len() / 4] - few[few.len() / 4] < ONE_THING_M {
-            lower_quartile(&few)
-        } else if 2 * ranges.len() >= GRID * GRID {
-            lower_quartile(&sorted(ranges.iter().copied()))
-        } else {
-            None
-        };
-        let farthest_m = on_wall.last().copied().filter(|_| on_wall.len() >= FEW);
-        let is_flat = few.is_empty() && 4 * on_wall.len() >= 3 * GRID * GRID;
-        Self { ranges, of_object, before_m: farthest_m.unwrap_or(f64::INFINITY), is_flat }
-    }
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values
-}
-
-fn lower_quartile(sorted: &[f64]) -> Option<f64> {
-    sorted.get(sorted.len() / 4).copied()
-}
-
 /// Which of the left, upper, right and lower side of a box the image cuts.
 fn cut_sides(rect: &Rect, camera: &Camera, border_px: f64) -> [bool; 4] {
     let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
@@ -481,11 +435,3 @@ const BORDER_PX: f64 = 5.0;
 const PERHAPS_CUT_PX: f64 = 12.0;
 /// What should be out of reach by its size is where less than one in so many readings is within it.
 const MOSTLY: usize = 4;
-/// Depth readings are looked at on a grid of so many by so many.
-const GRID: usize = 7;
-/// So few of these tell.
-const FEW: usize = 4;
-/// Where half of them differ by less, they are of one thing (m).
-const ONE_THING_M: f64 = 0.3;
-/// What is as near to a wall is the wall (m).
-const WALL_M: f64 = 0.1;

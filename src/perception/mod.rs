@@ -26,6 +26,7 @@ mod mask;
 mod masks;
 mod measurement;
 mod normal;
+mod readings;
 mod registration;
 mod room;
 mod segmentation;

@@ -65,6 +65,12 @@ pub(super) struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// What was measured at a pixel.
+    pub(super) fn read(frame: &Frame<'_>, u: i32, v: i32) -> Option<Self> {
+        let sigma_m = frame.sigma_m(frame.depth().at(u, v)?.into());
+        frame.point_in_level(u, v).map(|at| Self { u, v, at, sigma_m, normal: None })
+    }
+
     /// Standard deviation of the point's position along a direction (m): noise acts along the viewing ray.
     pub(super) fn noise_along_m(&self, direction: &Vector3<f64>) -> f64 {
         self.sigma_m * direction.dot(&self.at.coords).abs() / self.at.coords.norm().max(1e-6)

@@ -26,6 +26,29 @@ pub(crate) fn near_face(camera: &Camera, body: &Ellipsoid) -> Rect {
     Rect::new(low.x, low.y, high.x, high.y).unwrap()
 }
 
+/// What a depth camera sees of the near faces of bodies in the frame of the base, before a wall 6 m off, and their boxes: nothing for
+/// what is outside of the image.
+pub(crate) fn image_of<'a>(
+    camera: &Camera,
+    bodies: impl Iterator<Item = &'a Ellipsoid>,
+) -> (DepthImage, Vec<Option<Rect>>) {
+    let (width, height) = (camera.width(), camera.height());
+    let mut metres = vec![6.0_f32; (width * height) as usize];
+    let mut rects = Vec::new();
+    for body in bodies {
+        let depth = (body.center().x - body.semi_axes.x) as f32;
+        let rect = near_face(camera, body);
+        for v in rect.y_min.max(0.0) as u32..(rect.y_max.max(0.0) as u32).min(height) {
+            for u in rect.x_min.max(0.0) as u32..(rect.x_max.max(0.0) as u32).min(width) {
+                let pixel = &mut metres[(v * width + u) as usize];
+                *pixel = pixel.min(depth);
+            }
+        }
+        rects.push(rect.clipped(width, height));
+    }
+    (DepthImage::new(width, height, metres).unwrap(), rects)
+}
+
 /// What one image brings to a map that is not to refuse it.
 pub(crate) fn sighted(
     map: &mut ObjectMap,

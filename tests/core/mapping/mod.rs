@@ -16,6 +16,7 @@ mod moving;
 mod pushes;
 mod queries;
 mod relocalisation;
+mod soak;
 mod standing;
 mod walls;
 

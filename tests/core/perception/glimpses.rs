@@ -276,3 +276,22 @@ fn what_stands_before_a_thing_is_not_the_thing() {
     let (alone, beside) = (off(&detections[..1]), off(&detections));
     assert!(beside < 0.3 && beside < alone, "{beside} m, without the suitcase's box {alone} m");
 }
+
+/// A screen 7 m off, out of reach, of which a cabinet hides more than the lower half. The readings there have an owner.
+#[test]
+fn what_is_measured_in_another_box_tells_no_range() {
+    let mut scene = Scene::with_floor();
+    let screen = scene.add(standing(0.0, [7.0, 0.0, 1.3], [0.05, 0.35, 0.3]));
+    let eye = looking([0.0, 0.0, 0.22], 0.0, 0.0);
+    let whole = scene.seen_from(&eye).box_around(screen);
+    let cabinet = scene.add(standing(0.0, [4.2, 0.1, 0.43], [0.4, 0.6, 0.43]));
+    let view = scene.seen_with(&eye, Some(3));
+    let depth = within(&view, 5.0);
+    let rays = Rays::new(camera());
+    let frame = Frame::new(&depth, &rays, &view.up_in_camera(), DepthNoise::default());
+    let boxes = [detection("tv", whole), detection("cabinet", view.box_around(cabinet))];
+    let seen = estimate_frame(&frame, &boxes, &PerceptionSettings::default(), &mut ());
+    assert!(seen.objects[0].is_err() && seen.objects[1].is_ok());
+    let range_m = seen.glimpses[0].as_ref().unwrap().ellipsoid.center().z;
+    assert!(range_m > 5.0, "the cabinet is 3.8 m off, the screen 7 m: {range_m}");
+}
