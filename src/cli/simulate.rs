@@ -6,7 +6,7 @@ use super::{
         BASE_FRAME, Names, ODOM_FRAME, Recording, refuse_existing, truth_path, write_truth,
     },
     results::MAP_FRAME,
-    simulate_settings::{self, RobotName, SceneName, SensorName, TrajectoryName},
+    simulate_settings::{self, DetectorName, RobotName, SceneName, SensorName, TrajectoryName},
 };
 use crate::{
     eval::{self, TrueObject},
@@ -40,6 +40,9 @@ pub(super) struct Args {
     /// A depth camera, in place of the robot's.
     #[arg(long, value_enum)]
     pub(super) sensor: Option<SensorName>,
+    /// A detector.
+    #[arg(long, value_enum)]
+    pub(super) detector: Option<DetectorName>,
     /// Draws poses, sizes and clutter, and all noise [default: 1].
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,

@@ -1,6 +1,9 @@
 //! A 2D detector that looks at the true image of instances.
 
-use super::{random::Random, settings::DetectorSettings};
+use super::{
+    random::{Purpose, Random},
+    settings::DetectorSettings,
+};
 use crate::geometry::Rect;
 
 /// The visible part of an object in an image.
@@ -48,17 +51,30 @@ pub fn visible_parts(instances: &[u16], width: usize) -> Vec<Visible> {
     bounds.into_iter().enumerate().filter(|(_, (_, pixels))| *pixels > 0).filter_map(part).collect()
 }
 
+/// What an image shows of an object.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    pub(super) part: Visible,
+    /// The object's class.
+    pub(super) label: &'static str,
+    /// The same for all images that see the object from about the same place.
+    pub(super) view: u64,
+}
+
 /// What the detector reports of an image of `size` = width, height.
 pub(super) fn detections(
-    visible: &[(Visible, &'static str)],
+    looks: &[Look],
     size: (u32, u32),
     settings: &DetectorSettings,
     random: &mut Random,
 ) -> Vec<SimulatedDetection> {
     let mut found = Vec::new();
-    for (part, label) in visible {
-        if part.pixels >= settings.min_visible_pixels && !random.chance(settings.miss) {
-            found.extend(detection(part, label, size, settings, random));
+    for look in looks {
+        if look.part.pixels >= settings.min_visible_pixels && !random.chance(settings.miss) {
+            let mut lasting = Random::new(look.view, Purpose::Detector, look.part.id.into());
+            if lasting.between(0.0, 1.0) < share_found(look.part.pixels, settings) {
+                found.extend(detection(look, size, settings, (random, &mut lasting)));
+            }
         }
     }
     let whole = settings.false_positives_per_frame.floor();
@@ -69,16 +85,27 @@ pub(super) fn detections(
     found
 }
 
+/// The share of objects with so many visible pixels that the detector finds at all: detectors are blind to what is small, and stay so
+/// as long as the view does.
+fn share_found(pixels: usize, settings: &DetectorSettings) -> f64 {
+    if settings.half_found_pixels == 0.0 {
+        return 1.0;
+    }
+    let octaves = (pixels as f64 / settings.half_found_pixels).log2();
+    1.0 / (1.0 + (-octaves).exp())
+}
+
 fn detection(
-    part: &Visible,
-    label: &'static str,
+    look: &Look,
     (width, height): (u32, u32),
     settings: &DetectorSettings,
-    random: &mut Random,
+    (random, lasting): (&mut Random, &mut Random),
 ) -> Option<SimulatedDetection> {
+    let Look { part, label, .. } = look;
     let exact = part.rect;
     let mut moved = |side: f64, extent: f64| {
-        side + random.normal(settings.side_noise_px.hypot(settings.side_noise_ratio * extent))
+        side + lasting.normal(settings.lasting_side_noise_ratio * extent)
+            + random.normal(settings.side_noise_px.hypot(settings.side_noise_ratio * extent))
     };
     let rect = Rect::new(
         moved(exact.x_min, exact.width()),
@@ -92,7 +119,7 @@ fn detection(
     let confidence = (mean + random.normal(settings.confidence_noise)).clamp(0.05, 1.0);
     let other = random.pick(similar_labels(label));
     let flickers = random.chance(settings.label_flicker);
-    let (first, second) = if flickers { (other, label) } else { (label, other) };
+    let (first, second) = if flickers { (other, *label) } else { (*label, other) };
     let mut hypotheses = vec![(first, confidence)];
     if confidence < 1.0 {
         hypotheses.push((second, confidence.min(0.6 * (1.0 - confidence))));
@@ -137,11 +164,35 @@ fn similar_labels(label: &str) -> &'static [&'static str] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::{SimulationSettings, random::Purpose};
+    use crate::sim::SimulationSettings;
 
-    fn part(rect: [f64; 4]) -> (Visible, &'static str) {
+    fn part(rect: [f64; 4]) -> Look {
         let rect = Rect::new(rect[0], rect[1], rect[2], rect[3]).unwrap();
-        (Visible { id: 7, rect, pixels: 5000 }, "cup")
+        Look { part: Visible { id: 7, rect, pixels: 5000 }, label: "cup", view: 1 }
+    }
+
+    #[test]
+    fn what_is_missed_or_off_stays_so_while_the_view_does() {
+        let settings = DetectorSettings {
+            half_found_pixels: 5000.0,
+            lasting_side_noise_ratio: 0.05,
+            ..SimulationSettings::default().perfect().detector
+        };
+        let report = |view: u64, image: u64| {
+            let looks = [Look { view, ..part([100.0, 200.0, 180.0, 280.0]) }];
+            let mut random = Random::new(1, Purpose::Detector, image);
+            detections(&looks, (640, 480), &settings, &mut random).pop().map(|d| d.rect)
+        };
+        const VIEWS: u64 = 400;
+        let found = (0..VIEWS).filter_map(|view| {
+            assert_eq!(report(view, 0), report(view, 1), "view {view}");
+            report(view, 0)
+        });
+        let off: Vec<f64> = found.map(|rect| rect.x_min - 100.0).collect();
+        // Three standard errors of 400 draws.
+        assert!((off.len() as f64 / VIEWS as f64 - 0.5).abs() < 0.08, "{}", off.len());
+        let sigma = (off.iter().map(|x| x * x).sum::<f64>() / off.len() as f64).sqrt();
+        assert!((sigma - 4.0).abs() < 0.7, "{sigma}");
     }
 
     #[test]
@@ -166,7 +217,7 @@ mod tests {
         let found =
             detections(&visible, (640, 480), &settings, &mut Random::new(1, Purpose::Detector, 0));
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].rect, visible[0].0.rect);
+        assert_eq!(found[0].rect, visible[0].part.rect);
         assert_eq!(found[0].hypotheses, [("cup", 1.0)]);
     }
 

@@ -25,7 +25,7 @@ mod trajectory;
 pub use detector::{SimulatedDetection, Visible, visible_parts};
 pub use mesh::{Color, Mesh};
 pub use odometry::OdometryReading;
-pub use presets::{RobotKind, SensorKind};
+pub use presets::{DetectorKind, RobotKind, SensorKind};
 pub use render::{Rendered, Renderer};
 pub use scene::{Scene, SceneObject};
 pub use settings::{

@@ -210,6 +210,10 @@ pub struct DetectorSettings {
     pub side_noise_px: f64,
     /// Standard deviation of each side as a fraction of the box's width or height.
     pub side_noise_ratio: f64,
+    /// The same, but constant as long as the view of an object is about the same.
+    pub lasting_side_noise_ratio: f64,
+    /// Of objects with so many visible pixels half are found, the others not as long as the view is about the same; 0 for all.
+    pub half_found_pixels: f64,
     /// Probability that a visible object is missed.
     pub miss: f64,
     /// Mean number of boxes an image around nothing.
@@ -234,6 +238,8 @@ impl Default for DetectorSettings {
             min_visible_pixels: 120,
             side_noise_px: 1.0,
             side_noise_ratio: 0.01,
+            lasting_side_noise_ratio: 0.0,
+            half_found_pixels: 0.0,
             miss: 0.05,
             false_positives_per_frame: 0.05,
             label_flicker: 0.03,
@@ -325,6 +331,8 @@ impl SimulationSettings {
         self.detector = DetectorSettings {
             side_noise_px: 0.0,
             side_noise_ratio: 0.0,
+            lasting_side_noise_ratio: 0.0,
+            half_found_pixels: 0.0,
             miss: 0.0,
             false_positives_per_frame: 0.0,
             label_flicker: 0.0,
@@ -377,6 +385,8 @@ impl SimulationSettings {
             ("depth.min_range_m", depth.min_range_m),
             ("detector.side_noise_px", detector.side_noise_px),
             ("detector.side_noise_ratio", detector.side_noise_ratio),
+            ("detector.lasting_side_noise_ratio", detector.lasting_side_noise_ratio),
+            ("detector.half_found_pixels", detector.half_found_pixels),
             ("detector.false_positives_per_frame", detector.false_positives_per_frame),
             ("detector.confidence_noise", detector.confidence_noise),
             ("detector.delay_s", detector.delay_s),

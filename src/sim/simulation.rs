@@ -1,7 +1,7 @@
 //! A whole simulated sequence, frame by frame.
 
 use super::{
-    detector::{self, SimulatedDetection, Visible, visible_parts},
+    detector::{self, Look, SimulatedDetection, Visible, visible_parts},
     odometry::{self, OdometryReading},
     random::{PixelRandom, Purpose, Random},
     render::{Rendered, Renderer},
@@ -236,7 +236,7 @@ impl Simulation {
             stamp,
             detections_arrive: stamp.shifted(self.settings.detector.delay_s + jitter_s),
             depth_m,
-            detections: self.detections(&visible, &mut random),
+            detections: self.detections(&visible, &world_from_camera, &mut random),
             rgb: exact.rgb,
             instances: exact.instances,
             visible,
@@ -252,15 +252,29 @@ impl Simulation {
         sensor::readings(exact, width, focal_px, &self.settings.depth, key)
     }
 
-    fn detections(&self, visible: &[Visible], random: &mut Random) -> Vec<SimulatedDetection> {
-        let labelled: Vec<(Visible, &'static str)> = visible
-            .iter()
-            .map(|part| (*part, self.scene.objects[part.id as usize - 1].label))
-            .collect();
+    fn detections(
+        &self,
+        visible: &[Visible],
+        world_from_camera: &Pose,
+        random: &mut Random,
+    ) -> Vec<SimulatedDetection> {
+        let look = |part: &Visible| {
+            let object = &self.scene.objects[part.id as usize - 1];
+            let away =
+                world_from_camera.translation.vector - object.world_from_object.translation.vector;
+            let sector = (away.y.atan2(away.x) / VIEW_RAD).floor() as i64;
+            let octave = away.norm().log2().floor() as i64;
+            let view = self.settings.visit_seed() ^ (sector * 1000 + octave) as u64;
+            Look { part: *part, label: object.label, view }
+        };
+        let looks: Vec<Look> = visible.iter().map(look).collect();
         let size = (self.camera.width(), self.camera.height());
-        detector::detections(&labelled, size, &self.settings.detector, random)
+        detector::detections(&looks, size, &self.settings.detector, random)
     }
 }
+
+/// Views of an object from directions within this angle, and from ranges within an octave, are about the same (rad).
+const VIEW_RAD: f64 = 0.35;
 
 fn pinhole(lens: &CameraSettings) -> Result<Camera, CameraError> {
     let principal = (0.5 * (f64::from(lens.width) - 1.0), 0.5 * (f64::from(lens.height) - 1.0));

@@ -29,7 +29,7 @@ fn mapped(robot: &str) -> (Value, Value) {
 }
 
 /// The topics are those that the configuration names, all images are used, and what was seen is found.
-fn check(robot: &str, recall: f64) {
+fn check(robot: &str, recall: f64, most_m: f64) {
     let (summary, scores) = mapped(robot);
     let path = format!("{}/config/{robot}.yaml", env!("CARGO_MANIFEST_DIR"));
     let config = fs::read_to_string(path).unwrap();
@@ -42,20 +42,20 @@ fn check(robot: &str, recall: f64) {
     println!("{robot}: recall {}, centres {} m off", scores["recall"], scores["translation_m"]);
     assert!(scores["recall"].as_f64().unwrap() >= recall, "{scores:#}");
     assert!(scores["precision"].as_f64().unwrap() >= 0.7, "{scores:#}");
-    assert!(scores["translation_m"].as_f64().unwrap() < 0.3, "{scores:#}");
+    assert!(scores["translation_m"].as_f64().unwrap() < most_m, "{scores:#}");
 }
 
 #[test]
 fn a_turtlebot4_with_depth_of_another_size_than_colour_gives_a_map() {
-    check("turtlebot4", 0.5);
+    check("turtlebot4", 0.8, 0.35);
 }
 
 #[test]
 fn a_realsense_gives_a_map() {
-    check("realsense", 0.8);
+    check("realsense", 0.8, 0.2);
 }
 
 #[test]
 fn a_kinect_gives_a_map() {
-    check("kinect", 0.8);
+    check("kinect", 0.8, 0.2);
 }

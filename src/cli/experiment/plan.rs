@@ -6,8 +6,9 @@ use super::{
     protocol::{DRIFTING_AUTOMATIC, DRIFTING_GIVEN, PAPER, Protocol, STRETCHED_GIVEN, TRUE_GIVEN},
     row::{OURS, Row},
     sequence::{
-        CROWDED_FORWARD, CROWDED_ORBIT, DESK_FORWARD, DESK_ORBIT, HOME_FORWARD, HOME_LOOP,
-        HOME_ORBIT, OFFICE_FORWARD, OFFICE_LOOP, Sequence,
+        CROWDED_FORWARD, CROWDED_ORBIT, DESK_FORWARD, DESK_ORBIT, HOME_BUMPED, HOME_D435,
+        HOME_FORWARD, HOME_LOOP, HOME_LOW, HOME_NANO, HOME_OAKD, HOME_ORBIT, OFFICE_FORWARD,
+        OFFICE_LOOP, Sequence,
     },
 };
 use crate::pipeline::Settings;
@@ -47,6 +48,15 @@ const OF_ASSOCIATION: &[Metric] = &[
     Metric::IdSwitchesPer200,
     Metric::TranslationM,
     Metric::Iou,
+];
+const OF_ROBOTS: &[Metric] = &[
+    Metric::Precision,
+    Metric::Recall,
+    Metric::TranslationM,
+    Metric::Shape,
+    Metric::Iou,
+    Metric::Within90,
+    Metric::AteM,
 ];
 const OF_LOOPS: &[Metric] = &[
     Metric::AteM,
@@ -120,6 +130,16 @@ pub(super) const TABLES: &[Table] = &[
         protocols: &[DRIFTING_AUTOMATIC],
         rows: &["without-walls", OURS],
         metrics: OF_LOOPS,
+        published: &[],
+    },
+    Table {
+        title: "Robots and sensors",
+        text: "The drive through the home with other robots, as `simulate --sensor` and `--detector` have them: their numbers \
+               are of data sheets and papers where there are any, and none is the estimator's.",
+        sequences: &[HOME_FORWARD, HOME_LOW, HOME_D435, HOME_OAKD, HOME_NANO, HOME_BUMPED],
+        protocols: &[DRIFTING_AUTOMATIC],
+        rows: &[OURS],
+        metrics: OF_ROBOTS,
         published: &[],
     },
     Table {
@@ -255,7 +275,7 @@ pub(super) fn cases(sequence: Sequence, rows: &[&'static Row]) -> Vec<Case> {
 }
 
 /// All sequences of the plan.
-pub(super) const SEQUENCES: [Sequence; 9] = [
+pub(super) const SEQUENCES: [Sequence; 14] = [
     DESK_ORBIT,
     DESK_FORWARD,
     HOME_ORBIT,
@@ -265,6 +285,11 @@ pub(super) const SEQUENCES: [Sequence; 9] = [
     CROWDED_FORWARD,
     HOME_LOOP,
     OFFICE_LOOP,
+    HOME_LOW,
+    HOME_D435,
+    HOME_OAKD,
+    HOME_NANO,
+    HOME_BUMPED,
 ];
 
 #[cfg(test)]

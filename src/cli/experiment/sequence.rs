@@ -17,8 +17,8 @@ use crate::{
         StampedTransform,
     },
     sim::{
-        OdometryReading, OdometrySettings, SceneKind, SimulatedFrame, Simulation,
-        SimulationSettings, TrajectoryKind,
+        DetectorKind, OdometryReading, OdometrySettings, SceneKind, SensorKind, SimulatedFrame,
+        Simulation, SimulationSettings, TrajectoryKind,
     },
     time::Stamp,
 };
@@ -34,6 +34,43 @@ pub(super) struct Sequence {
     scene: SceneKind,
     trajectory: TrajectoryKind,
     drift: Drift,
+    set_up: SetUp,
+}
+
+/// What the robot looks with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum SetUp {
+    /// As that of `simulate`.
+    Usual,
+    /// A level camera 0.22 m above the floor.
+    Low,
+    /// This depth camera, aligned to its colour camera.
+    Sensor(SensorKind),
+    /// A small network for a detector.
+    SmallDetector,
+    /// A camera that looks lower than TF says.
+    Bumped,
+}
+
+impl SetUp {
+    fn applied(self, mut settings: SimulationSettings) -> SimulationSettings {
+        match self {
+            Self::Usual => settings,
+            Self::Low => {
+                settings.mount.robot_height_m = 0.22;
+                settings.mount.robot_pitch_down_rad = 0.0;
+                settings
+            }
+            Self::Sensor(sensor) => {
+                SimulationSettings { depth_camera: None, ..sensor.applied(settings) }
+            }
+            Self::SmallDetector => DetectorKind::YoloNano.applied(settings),
+            Self::Bumped => {
+                settings.mount.tf_pitch_error_rad = 1.5_f64.to_radians();
+                settings
+            }
+        }
+    }
 }
 
 /// How odometry drifts.
@@ -60,12 +97,32 @@ impl Drift {
     }
 }
 
+/// The usual drive through the home with another robot.
+const fn home_with(key: &'static str, name: &'static str, set_up: SetUp) -> Sequence {
+    Sequence { key, name, set_up, ..HOME_FORWARD }
+}
+
+pub(super) const HOME_LOW: Sequence =
+    home_with("home-low", "home, forward, a camera 0.22 m high", SetUp::Low);
+pub(super) const HOME_D435: Sequence =
+    home_with("home-d435", "home, forward, a D435", SetUp::Sensor(SensorKind::D435));
+pub(super) const HOME_OAKD: Sequence =
+    home_with("home-oakd", "home, forward, an OAK-D", SetUp::Sensor(SensorKind::OakD));
+pub(super) const HOME_NANO: Sequence =
+    home_with("home-nano", "home, forward, a small detector", SetUp::SmallDetector);
+pub(super) const HOME_BUMPED: Sequence = home_with(
+    "home-bumped",
+    "home, forward, a camera that looks 1.5 degrees lower than TF says",
+    SetUp::Bumped,
+);
+
 pub(super) const DESK_ORBIT: Sequence = Sequence {
     key: "desk-orbit",
     name: "desk, orbit",
     scene: SceneKind::Desk,
     trajectory: TrajectoryKind::Orbit,
     drift: Drift::Usual,
+    set_up: SetUp::Usual,
 };
 pub(super) const DESK_FORWARD: Sequence = Sequence {
     key: "desk-forward",
@@ -73,6 +130,7 @@ pub(super) const DESK_FORWARD: Sequence = Sequence {
     scene: SceneKind::Desk,
     trajectory: TrajectoryKind::Forward,
     drift: Drift::Usual,
+    set_up: SetUp::Usual,
 };
 pub(super) const HOME_ORBIT: Sequence = Sequence {
     key: "home-orbit",
@@ -80,6 +138,7 @@ pub(super) const HOME_ORBIT: Sequence = Sequence {
     scene: SceneKind::Home,
     trajectory: TrajectoryKind::Orbit,
     drift: Drift::Usual,
+    set_up: SetUp::Usual,
 };
 pub(super) const HOME_FORWARD: Sequence = Sequence {
     key: "home-forward",
@@ -87,6 +146,7 @@ pub(super) const HOME_FORWARD: Sequence = Sequence {
     scene: SceneKind::Home,
     trajectory: TrajectoryKind::Forward,
     drift: Drift::Usual,
+    set_up: SetUp::Usual,
 };
 
 pub(super) const OFFICE_FORWARD: Sequence = Sequence {
@@ -95,6 +155,7 @@ pub(super) const OFFICE_FORWARD: Sequence = Sequence {
     scene: SceneKind::Office,
     trajectory: TrajectoryKind::Forward,
     drift: Drift::Usual,
+    set_up: SetUp::Usual,
 };
 pub(super) const CROWDED_ORBIT: Sequence = Sequence {
     key: "crowded-orbit",
@@ -102,6 +163,7 @@ pub(super) const CROWDED_ORBIT: Sequence = Sequence {
     scene: SceneKind::Crowded,
     trajectory: TrajectoryKind::Orbit,
     drift: Drift::Usual,
+    set_up: SetUp::Usual,
 };
 pub(super) const CROWDED_FORWARD: Sequence = Sequence {
     key: "crowded-forward",
@@ -109,6 +171,7 @@ pub(super) const CROWDED_FORWARD: Sequence = Sequence {
     scene: SceneKind::Crowded,
     trajectory: TrajectoryKind::Forward,
     drift: Drift::Usual,
+    set_up: SetUp::Usual,
 };
 pub(super) const HOME_LOOP: Sequence = Sequence {
     key: "home-loop",
@@ -116,6 +179,7 @@ pub(super) const HOME_LOOP: Sequence = Sequence {
     scene: SceneKind::Home,
     trajectory: TrajectoryKind::Loop,
     drift: Drift::Heading,
+    set_up: SetUp::Usual,
 };
 pub(super) const OFFICE_LOOP: Sequence = Sequence {
     key: "office-loop",
@@ -123,6 +187,7 @@ pub(super) const OFFICE_LOOP: Sequence = Sequence {
     scene: SceneKind::Office,
     trajectory: TrajectoryKind::Loop,
     drift: Drift::Heading,
+    set_up: SetUp::Usual,
 };
 
 /// The sequence of a key.
@@ -155,7 +220,7 @@ struct RenderedFrame {
 impl Sequence {
     /// Renders the sequence that a seed draws, with as many frames as asked for or as suit the trajectory.
     pub(super) fn rendered(&self, seed: u64, frames: Option<usize>) -> anyhow::Result<Rendered> {
-        let mut settings = SimulationSettings {
+        let usual = SimulationSettings {
             scene: self.scene,
             trajectory: self.trajectory,
             seed,
@@ -163,6 +228,7 @@ impl Sequence {
             odometry: self.drift.settings(),
             ..SimulationSettings::default()
         };
+        let mut settings = self.set_up.applied(usual);
         let simulation = Simulation::new(settings.clone())?;
         settings.odometry.scale_bias = STRETCH;
         let stretched = Simulation::new(settings)?;
