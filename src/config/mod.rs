@@ -20,8 +20,8 @@ pub use detector_settings::{DetectorSettings, ModelForm};
 pub use ground_settings::GroundSettings;
 pub use keys::{Key, keys};
 pub use node_settings::{
-    AUTO, DepthTransport, DetectionsType, MapFileSettings, NodeSettings, PublishSettings, Qos,
-    QosSettings, RgbTransport, TopicSettings,
+    AUTO, DepthTransport, DetectionsType, LifecycleSettings, MapFileSettings, NodeSettings,
+    PublishSettings, Qos, QosSettings, RgbTransport, TopicSettings,
 };
 pub use parameters::{Parameter, Parameters, key_of};
 pub use reference::reference;

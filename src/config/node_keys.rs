@@ -75,6 +75,12 @@ pub(super) const NODE_KEYS: &[Key] = &[
     )
     .at_start(),
     other("map.save_on_shutdown", "save it when the node is stopped"),
+    other("lifecycle", "Who starts the work of the node: docs/ros2.md."),
+    other(
+        "lifecycle.autostart",
+        "be active from the start; false: be unconfigured until somebody manages it",
+    )
+    .at_start(),
     other("publish", "What is published besides markers, boxes, objects, path and odometry."),
     other("publish.ellipsoids", "mark objects by their ellipsoids, not by their outlines"),
     other("publish.cuboids", "mark objects by the box round them, too"),

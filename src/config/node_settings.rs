@@ -22,6 +22,8 @@ pub struct NodeSettings {
     pub detector: DetectorSettings,
     /// The map's file.
     pub map: MapFileSettings,
+    /// Who starts the work.
+    pub lifecycle: LifecycleSettings,
     /// What is published besides markers, boxes, objects, path and odometry.
     pub publish: PublishSettings,
     /// What stands in a robot's way.
@@ -137,6 +139,14 @@ pub struct MapFileSettings {
     pub save_on_shutdown: bool,
 }
 
+/// Who starts the work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LifecycleSettings {
+    /// Whether the node is active from its start; otherwise it is unconfigured until somebody manages it.
+    pub autostart: bool,
+}
+
 /// What is published besides markers, boxes, objects, path and odometry.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -169,6 +179,7 @@ impl Default for NodeSettings {
             qos: QosSettings::default(),
             detector: DetectorSettings::default(),
             map: MapFileSettings::default(),
+            lifecycle: LifecycleSettings::default(),
             publish: PublishSettings::default(),
             ground: GroundSettings::default(),
         }
@@ -189,6 +200,12 @@ impl Default for TopicSettings {
             detections_3d: AUTO.into(),
             detections_type: DetectionsType::VisionMsgs,
         }
+    }
+}
+
+impl Default for LifecycleSettings {
+    fn default() -> Self {
+        Self { autostart: true }
     }
 }
 

@@ -8,6 +8,7 @@ pub mod diagnostic_msgs;
 pub mod ellipsoid_slam;
 pub mod foxglove_msgs;
 pub mod geometry_msgs;
+pub mod lifecycle_msgs;
 pub mod nav_msgs;
 pub mod rosgraph_msgs;
 pub mod rtabmap_msgs;

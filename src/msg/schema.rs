@@ -138,6 +138,16 @@ const DEFINITIONS: &[(&str, &str)] = &[
         "diagnostic_msgs/DiagnosticArray",
         include_str!("../../msg/ros/diagnostic_msgs/DiagnosticArray.msg"),
     ),
+    ("lifecycle_msgs/State", include_str!("../../msg/ros/lifecycle_msgs/State.msg")),
+    ("lifecycle_msgs/Transition", include_str!("../../msg/ros/lifecycle_msgs/Transition.msg")),
+    (
+        "lifecycle_msgs/TransitionDescription",
+        include_str!("../../msg/ros/lifecycle_msgs/TransitionDescription.msg"),
+    ),
+    (
+        "lifecycle_msgs/TransitionEvent",
+        include_str!("../../msg/ros/lifecycle_msgs/TransitionEvent.msg"),
+    ),
     ("rcl_interfaces/Log", include_str!("../../msg/ros/rcl_interfaces/Log.msg")),
     ("rosgraph_msgs/Clock", include_str!("../../msg/ros/rosgraph_msgs/Clock.msg")),
     (

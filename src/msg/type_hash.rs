@@ -223,6 +223,16 @@ const SERVED: &[(&str, &str)] = &[
     ("ellipsoid_slam/QueryObjects", include_str!("../../srv/QueryObjects.srv")),
     ("ellipsoid_slam/RenameObject", include_str!("../../srv/RenameObject.srv")),
     ("ellipsoid_slam/SaveMap", include_str!("../../srv/SaveMap.srv")),
+    ("lifecycle_msgs/ChangeState", include_str!("../../srv/ros/lifecycle_msgs/ChangeState.srv")),
+    (
+        "lifecycle_msgs/GetAvailableStates",
+        include_str!("../../srv/ros/lifecycle_msgs/GetAvailableStates.srv"),
+    ),
+    (
+        "lifecycle_msgs/GetAvailableTransitions",
+        include_str!("../../srv/ros/lifecycle_msgs/GetAvailableTransitions.srv"),
+    ),
+    ("lifecycle_msgs/GetState", include_str!("../../srv/ros/lifecycle_msgs/GetState.srv")),
     ("std_srvs/SetBool", include_str!("../../srv/ros/std_srvs/SetBool.srv")),
     ("std_srvs/Trigger", include_str!("../../srv/ros/std_srvs/Trigger.srv")),
     (

@@ -1,6 +1,6 @@
 //! `map → odom` and the objects' frames, steadily.
 
-use super::{status::Shared, topic::send, transport::Publisher};
+use super::{lifecycle::State, status::Shared, topic::send, transport::Publisher};
 use crate::{config::Parameters, msg::tf2_msgs::TFMessage};
 use std::time::Duration;
 use tokio::{
@@ -22,7 +22,7 @@ const PERIOD: Duration = Duration::from_millis(50);
 /// Objects whose frames come with each broadcast: those of more objects come more seldom.
 const OBJECTS_AT_ONCE: usize = 50;
 
-/// Broadcasts the newest correction with the stamp of the newest data, until it is cancelled.
+/// Broadcasts the newest correction with the stamp of the newest data, while the node is active, until it is cancelled.
 ///
 /// What listens looks transforms up at the stamps of its own data: a correction that is as old as the last keyframe
 /// would be refused as extrapolation (REP 105 has `map → odom` change slowly, so the old one holds on).
@@ -55,7 +55,11 @@ pub(super) async fn broadcast(
                 next = (next + count) % objects.len();
             }
         }
-        let Some(stamp) = status.lock().present else { continue };
+        let (state, present) = {
+            let status = status.lock();
+            (status.state, status.present)
+        };
+        let Some(stamp) = present.filter(|_| state == State::Active) else { continue };
         for transform in &mut message.transforms {
             transform.header.stamp = stamp.into();
         }

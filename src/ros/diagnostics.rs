@@ -188,6 +188,7 @@ fn mapping(status: &Status, overflow: Overflow) -> Vec<(String, String)> {
         ("latest keyframe", milliseconds(status.keyframe_time)),
         ("longest keyframe", milliseconds(status.longest_keyframe)),
         ("paused", status.paused.to_string()),
+        ("state", status.state.label().to_owned()),
         ("dropped: overflow", overflow.depth.to_string()),
     ]
     .into_iter()

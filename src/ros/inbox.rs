@@ -28,6 +28,8 @@ struct State {
     bytes: usize,
     dropped: Overflow,
     paused: bool,
+    /// Whether the node is active, as its manager has it.
+    active: bool,
     closed: bool,
 }
 
@@ -51,12 +53,13 @@ impl Inbox {
     }
 
     /// Adds a message. When there are too many of its kind, the oldest of them goes; when all are too large together, the
-    /// oldest depth image goes, and where there is none, the message itself. While perception pauses, images and boxes
-    /// are not kept.
+    /// oldest depth image goes, and where there is none, the message itself. While perception pauses, and while the node is
+    /// not active, images and boxes are not kept.
     pub(super) fn put(&self, input: Input) {
         let mut state = self.lock();
         let is_depth = matches!(input, Input::Depth(_));
-        if state.closed || state.paused && (is_depth || matches!(input, Input::Detections(_))) {
+        let rests = state.paused || !state.active;
+        if state.closed || rests && is_seen(&input) {
             return;
         }
         let (there, most) = if is_depth {
@@ -91,13 +94,18 @@ impl Inbox {
         self.lock().paused = paused;
     }
 
-    /// Drops the images and boxes that wait: they are of another map.
+    /// The same for a node that begins or ceases to be active. It begins by not being so.
+    pub(super) fn activate(&self, active: bool) {
+        self.lock().active = active;
+    }
+
+    /// Drops the images and boxes that wait: they are of another map or state.
     pub(super) fn drop_images(&self) {
         let mut state = self.lock();
         let state = &mut *state;
         state.waiting.retain(|work| {
             let Work::Input(input) = work else { return true };
-            let stays = !matches!(input, Input::Depth(_) | Input::Detections(_));
+            let stays = !is_seen(input);
             state.bytes -= if stays { 0 } else { input.bytes() };
             stays
         });
@@ -134,6 +142,11 @@ impl Inbox {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Whether it is of what a camera saw.
+fn is_seen(input: &Input) -> bool {
+    matches!(input, Input::Depth(_) | Input::Detections(_) | Input::Detections3d(_))
 }
 
 impl State {

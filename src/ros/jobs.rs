@@ -60,7 +60,7 @@ impl Jobs {
         self.changed.notify_all();
     }
 
-    /// Adds what a service asks for, and drops the images that wait: they are of another map.
+    /// Adds what a service asks for, and drops the images that wait: they are of another map or state.
     pub(super) fn begin_anew(&self, command: Command) {
         let mut state = self.lock();
         state.perceived.retain(|job| !matches!(job, Job::Join(..)));

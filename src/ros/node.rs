@@ -11,6 +11,8 @@ use super::{
     inbox::Inbox,
     initial_pose,
     jobs::Jobs,
+    lifecycle::State,
+    managed::serve_lifecycle,
     names::node_name,
     outputs::Outputs,
     parameters::Live,
@@ -44,9 +46,9 @@ use thiserror::Error;
 use tokio::{
     runtime,
     signal::unix::{Signal, SignalKind, signal},
-    sync::{oneshot, watch},
+    sync::{Notify, oneshot, watch},
     task::LocalSet,
-    time::timeout,
+    time::{sleep, timeout},
 };
 
 /// Why the node does not run.
@@ -84,8 +86,8 @@ impl NotCreated {
     }
 }
 
-/// Runs the node until SIGINT or SIGTERM. It begins with a map where it is given one. It publishes the log's `lines` on `/rosout`. Where it is given a detector, it
-/// finds the boxes in the colour images itself.
+/// Runs the node until SIGINT or SIGTERM, or until a service shuts it down. It begins with a map where it is given one. It publishes the log's
+/// `lines` on `/rosout`. Where it is given a detector, it finds the boxes in the colour images itself.
 ///
 /// # Errors
 /// When it cannot start, or its worker ends.
@@ -143,6 +145,8 @@ struct Start<'a> {
 struct Running {
     inbox: Arc<Inbox>,
     jobs: Arc<Jobs>,
+    /// Told when a service asks for the end.
+    stop: Arc<Notify>,
     detecting: Option<Detecting>,
     worker: thread::JoinHandle<()>,
     ended: oneshot::Receiver<()>,
@@ -173,6 +177,7 @@ impl Start<'_> {
         let arguments = self.arguments;
         let status = Shared::default();
         let inbox = Arc::new(Inbox::new(MOST_DEPTH));
+        let state = begin(parameters.node.lifecycle.autostart, &status, &inbox);
         let jobs = Arc::new(Jobs::default());
         let live = Live::new(parameters.clone(), Arc::clone(&inbox), Arc::clone(&jobs));
         let (correction, corrected) = watch::channel(Broadcast::default());
@@ -187,6 +192,7 @@ impl Start<'_> {
             outputs: Outputs::create(&mut self.node, arguments, &own, correction, color.clone())?,
             jobs: Arc::clone(&jobs),
             status: status.clone(),
+            state,
             at_start,
             save: Arc::clone(&files.save),
             known: tell,
@@ -203,8 +209,7 @@ impl Start<'_> {
             map_frame: own.map_frame.clone(),
             parameters: live.watch(),
         };
-        serve_map(&mut self.node, arguments, &orders, self.tasks)?;
-        self.tasks.spawn_local(initial_pose::listen(&mut self.node, arguments, orders)?);
+        let stop = self.services(orders)?;
         if own.use_sim_time {
             self.tasks.spawn_local(clock::follow(&mut self.node, status.clone())?);
         }
@@ -226,7 +231,16 @@ impl Start<'_> {
             let _ends: oneshot::Sender<()> = ends;
             worker.run();
         })?;
-        Ok((Running { inbox, jobs, detecting, worker, ended }, sinks))
+        Ok((Running { inbox, jobs, stop, detecting, worker, ended }, sinks))
+    }
+
+    /// What others ask of the map and of the node; the answer is told when they ask for its end.
+    fn services(&mut self, orders: Orders) -> Result<Arc<Notify>, NotCreated> {
+        let stop = Arc::default();
+        serve_map(&mut self.node, self.arguments, &orders, self.tasks)?;
+        serve_lifecycle(&mut self.node, self.arguments, &orders, &stop, self.tasks)?;
+        self.tasks.spawn_local(initial_pose::listen(&mut self.node, self.arguments, orders)?);
+        Ok(stop)
     }
 
     /// Finds the topics that nobody named, and subscribes. It ends only where that fails.
@@ -279,6 +293,17 @@ impl Start<'_> {
     }
 }
 
+/// The state that the node begins in. Who is active by itself has been configured before anybody could see it.
+fn begin(autostart: bool, status: &Shared, inbox: &Inbox) -> State {
+    let state = if autostart { State::Active } else { State::Unconfigured };
+    status.lock().state = state;
+    inbox.activate(autostart);
+    if !autostart {
+        tracing::info!("it waits for change_state: lifecycle.autostart is false");
+    }
+    state
+}
+
 impl Running {
     async fn until_stopped(
         mut self,
@@ -288,6 +313,10 @@ impl Running {
         tokio::select! {
             _ = signals.interrupt.recv() => tracing::info!("interrupted"),
             _ = signals.terminate.recv() => tracing::info!("terminated"),
+            () = self.stop.notified() => {
+                tracing::info!("shut down");
+                sleep(ANSWERING).await;
+            }
             _ = &mut self.ended => return Err(NodeError::WorkerEnded),
             Err(failed) = listening => return Err(failed),
         }
@@ -303,6 +332,8 @@ impl Running {
     }
 }
 
+/// How long the answer to the service that ends the node may take to go out.
+const ANSWERING: Duration = Duration::from_millis(100);
 /// How long messages that came before the end are worked on: those that wait longer are dropped for the map.
 const BACKLOG: Duration = Duration::from_millis(500);
 /// How long the end may take: launchers kill after ten seconds.

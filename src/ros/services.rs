@@ -102,8 +102,11 @@ impl Orders {
         self.jobs.order(order);
     }
 
-    /// The same for an order that puts another map in place of this one.
-    fn begin_anew<T>(&self, order: impl FnOnce(oneshot::Sender<T>) -> Command) -> Done<T> {
+    /// The same for an order after which the images that wait are of no use: they are of another map or state.
+    pub(super) fn begin_anew<T>(
+        &self,
+        order: impl FnOnce(oneshot::Sender<T>) -> Command,
+    ) -> Done<T> {
         let (answer, done) = oneshot::channel();
         self.inbox.drop_images();
         self.jobs.begin_anew(order(answer));

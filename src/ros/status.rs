@@ -1,5 +1,6 @@
 //! What the node knows of itself, for diagnostics.
 
+use super::lifecycle::State;
 use crate::{
     msg::{SkipCount, Skipped, convert::ConvertError},
     pipeline::{Calibration, ObjectSlam, Update},
@@ -41,6 +42,8 @@ pub(super) struct Status {
     pub(super) present: Option<Stamp>,
     /// Nothing is worked on.
     pub(super) paused: bool,
+    /// Of the node as its manager knows it.
+    pub(super) state: State,
     /// What `/clock` says, for a node that follows it.
     pub(super) sim_time: Option<Stamp>,
     /// The latest time that the data's time went back.

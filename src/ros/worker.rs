@@ -2,6 +2,7 @@
 
 use super::{
     jobs::{Jobs, Next},
+    lifecycle::State,
     outputs::{Known, Outputs},
     perceiver::Job,
     progress::announce,
@@ -11,7 +12,7 @@ use crate::{
     config::Parameters,
     geometry::Pose,
     mapping::{Edit, ObjectId, SavedMap},
-    pipeline::{MapsToSave, ObjectSlam, Update},
+    pipeline::{MapsToSave, ObjectSlam, Perceived, Update},
 };
 use std::{sync::Arc, time::Duration};
 use tokio::sync::{oneshot, watch};
@@ -23,6 +24,8 @@ pub(super) type Answer = oneshot::Sender<Result<String, String>>;
 pub(super) enum Command {
     /// Forget everything.
     Reset(Answer),
+    /// Be in another state: unconfigured, inactive or active.
+    Enter(State, Answer),
     /// Stop or go on working on images.
     Pause(bool, Answer),
     /// What there is to save.
@@ -59,6 +62,8 @@ pub(super) struct Worker {
     pub(super) outputs: Outputs,
     pub(super) jobs: Arc<Jobs>,
     pub(super) status: Shared,
+    /// Which the node has, or had when it was told to end.
+    pub(super) state: State,
     /// The map that the node begins with.
     pub(super) at_start: Option<SavedMap>,
     pub(super) save: SaveMaps,
@@ -77,37 +82,52 @@ impl Worker {
             match next {
                 Next::Obey(command) => self.obey(command),
                 Next::Work(Job::Hear(input)) => self.outputs.hear(&input),
-                Next::Work(Job::Join(perceived, perceiving)) => {
-                    let started = now();
-                    let update = self.slam.join(perceived, &mut ());
-                    announce(&update, &self.slam);
-                    self.outputs.publish(&update, &self.slam);
-                    self.status.worked(&update, &self.slam, perceiving + (now() - started));
-                    if !(update.keyframes.is_empty() && update.keyframes_3d.is_empty()) {
-                        self.tell();
-                    } else if !update.poses.is_empty() {
-                        let base = self.outputs.base(&self.slam);
-                        self.known
-                            .send_modify(|known| Arc::make_mut(known).whereabouts.base = base);
-                    }
-                }
+                Next::Work(Job::Join(perceived, took)) => self.join(perceived, took),
             }
         }
         let update = self.slam.finish(&mut ());
         // Whoever ends the node may not wait for long: the map is worth more than the last messages.
-        if self.parameters.node.map.save_on_shutdown {
-            match (self.save)("", &self.slam.maps(&self.parameters.node.map_frame)) {
-                Ok(done) => tracing::info!("{done}"),
-                Err(why) => tracing::error!("the map was not saved: {why}"),
-            }
+        if let Err(why) = self.save_at_end() {
+            tracing::error!("{why}");
         }
         self.outputs.publish(&update, &self.slam);
         self.outputs.finish(&self.slam);
     }
 
+    fn join(&mut self, perceived: Perceived, perceiving: Duration) {
+        // An image may still have been in work when the node was deactivated.
+        if self.state != State::Active {
+            return;
+        }
+        let started = now();
+        let update = self.slam.join(perceived, &mut ());
+        announce(&update, &self.slam);
+        self.outputs.publish(&update, &self.slam);
+        self.status.worked(&update, &self.slam, perceiving + (now() - started));
+        if !(update.keyframes.is_empty() && update.keyframes_3d.is_empty()) {
+            self.tell();
+        } else if !update.poses.is_empty() {
+            let base = self.outputs.base(&self.slam);
+            self.known.send_modify(|known| Arc::make_mut(known).whereabouts.base = base);
+        }
+    }
+
+    /// Saves the map of a run that ends, if a parameter says so. An unconfigured node has none: that of the run before, which
+    /// is saved, must not be overwritten.
+    fn save_at_end(&self) -> Result<(), String> {
+        if self.state == State::Unconfigured || !self.parameters.node.map.save_on_shutdown {
+            return Ok(());
+        }
+        let done = (self.save)("", &self.slam.maps(&self.parameters.node.map_frame))
+            .map_err(|why| format!("the map was not saved: {why}"))?;
+        tracing::info!("{done}");
+        Ok(())
+    }
+
     fn obey(&mut self, command: Command) {
         let (answer, outcome) = match command {
             Command::Reset(answer) => (answer, self.reset()),
+            Command::Enter(state, answer) => (answer, self.enter(state)),
             Command::Pause(paused, answer) => {
                 self.status.lock().paused = paused;
                 let said = if paused { "paused" } else { "going on" };
@@ -168,6 +188,17 @@ impl Worker {
     /// Lets services know the map as it is now.
     fn tell(&self) {
         self.known.send_replace(Arc::new(self.outputs.known(&self.slam)));
+    }
+
+    /// A node that is cleaned up ends a run: where its map cannot be saved, it stays as it is.
+    fn enter(&mut self, state: State) -> Result<String, String> {
+        if state == State::Unconfigured {
+            self.save_at_end()?;
+            self.reset()?;
+        }
+        self.state = state;
+        self.status.lock().state = state;
+        Ok(state.label().into())
     }
 
     fn reset(&mut self) -> Result<String, String> {

@@ -2,8 +2,8 @@
 
 use ellipsoid_slam::msg::{
     Message, Service, cdr, diagnostic_msgs, ellipsoid_slam as own, foxglove_msgs, geometry_msgs,
-    nav_msgs, rosgraph_msgs, rtabmap_msgs, schema_text, sensor_msgs, std_msgs, std_srvs, tf2_msgs,
-    vision_msgs, visualization_msgs, yolo_msgs,
+    lifecycle_msgs, nav_msgs, rosgraph_msgs, rtabmap_msgs, schema_text, sensor_msgs, std_msgs,
+    std_srvs, tf2_msgs, vision_msgs, visualization_msgs, yolo_msgs,
 };
 use serde::{Deserialize, Deserializer, de};
 use std::fs;
@@ -62,6 +62,7 @@ fn structs_mirror_their_definitions_field_by_field() {
         own: LabelBelief Object ObjectArray EllipsoidMeasurement EllipsoidMeasurementArray;
         foxglove_msgs: Color Point2 CircleAnnotation PointsAnnotation TextAnnotation ImageAnnotations;
         diagnostic_msgs: KeyValue DiagnosticStatus DiagnosticArray;
+        lifecycle_msgs: State Transition TransitionDescription TransitionEvent;
         rosgraph_msgs: Clock;
         rtabmap_msgs: LandmarkDetection LandmarkDetections;
         yolo_msgs: Point2D Vector2 Pose2D BoundingBox2D BoundingBox3D Mask KeyPoint2D KeyPoint2DArray
@@ -102,6 +103,14 @@ fn services_mirror_their_definitions_field_by_field() {
     check::<std_srvs::SetBool>("bool data\n---\nbool success\nstring message\n");
     // What the generators make of a request without fields.
     let request = "uint8 structure_needs_at_least_one_member";
+    check::<lifecycle_msgs::ChangeState>("Transition transition\n---\nbool success\n");
+    check::<lifecycle_msgs::GetState>(&format!("{request}\n---\nState current_state\n"));
+    check::<lifecycle_msgs::GetAvailableStates>(&format!(
+        "{request}\n---\nState[] available_states\n"
+    ));
+    check::<lifecycle_msgs::GetAvailableTransitions>(&format!(
+        "{request}\n---\nTransitionDescription[] available_transitions\n"
+    ));
     check::<std_srvs::Trigger>(&format!("{request}\n---\nbool success\nstring message\n"));
 }
 

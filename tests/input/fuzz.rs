@@ -16,6 +16,7 @@ use ellipsoid_slam::{
         cdr::{self, decode, decode_header, decode_request},
         convert::{self, found_in_space, yolo_found_in_space},
         ellipsoid_slam::{LoadMap, QueryObjects, QueryObjectsRequest, SaveMap},
+        lifecycle_msgs::ChangeState,
         nav_msgs::Odometry,
         sensor_msgs::{CameraInfo, CompressedImage, Image},
         std_srvs::{SetBool, Trigger},
@@ -154,6 +155,7 @@ fn bytes_of_messages() {
             decode_request::<QueryObjects>(bytes).map(drop).map_err(Into::into),
             decode_request::<SaveMap>(bytes).map(drop).map_err(Into::into),
             decode_request::<LoadMap>(bytes).map(drop).map_err(Into::into),
+            decode_request::<ChangeState>(bytes).map(drop).map_err(Into::into),
             decode_request::<SetBool>(bytes).map(drop).map_err(Into::into),
             decode_request::<Trigger>(bytes).map(drop).map_err(Into::into),
         ];

@@ -10,6 +10,7 @@ mod environment;
 mod fast_dds;
 mod faults;
 mod finding;
+mod lifecycle;
 mod load;
 #[path = "../input/mutants.rs"]
 mod mutants;

@@ -1,6 +1,8 @@
 //! The map's services.
 
 use crate::processes::{BAG, BAG_TOPICS, Stage, succeeded};
+use ellipsoid_slam::io::load_saved_map;
+use std::path::Path;
 
 const PLAY: [&str; 6] = ["play", BAG, "--rate", "2", "--wait", "60"];
 
@@ -82,15 +84,24 @@ fn a_node_looks_for_its_place_where_it_is_told_to_have_started() {
 }
 
 #[test]
-fn a_reset_map_is_empty_and_its_markers_are_deleted() {
+fn a_managed_node_is_activated_paused_reset_cleaned_up_and_shut_down() {
     let stage = Stage::new();
     let mut args = BAG_TOPICS.to_vec();
+    let map = stage.path("map.json");
+    let file = format!("map.file:={map}");
     args.extend(["-p", "publish.debug_image:=true", "-p", "topics.rgb_transport:=compressed"]);
-    let node = stage.node(&args);
+    args.extend(["-p", "lifecycle.autostart:=false", "-p", "map.save_on_shutdown:=true"]);
+    args.extend(["-p", &file]);
+    let mut node = stage.node(&args);
     node.wait_for("runs in domain");
     let _player = stage.start(stage.program(&["play", BAG, "--loop", "--wait", "60"]), "player");
-    let peer = stage.peer("rclpy_reset.py", &[]).output().unwrap();
+    let peer = stage.peer("rclpy_manager.py", &[]).output().unwrap();
     succeeded(&peer, &node);
+    assert!(node.wait().success(), "{}", node.log());
+    // It was saved when it was cleaned up, and not overwritten by the empty map that was there at the end.
+    let saved = load_saved_map(Path::new(&map)).unwrap();
+    assert!(saved.objects.len() >= 3, "{} objects\n{}", saved.objects.len(), node.log());
+    assert_eq!(node.log().matches("map.json").count(), 1, "{}", node.log());
 }
 
 /// Each line has ROS's form and no colours, and what works is said once.

@@ -151,13 +151,14 @@ fn hashes_of_types_are_those_of_ros_2() {
     }
 }
 
-const MESSAGES: [&str; 22] = [
+const MESSAGES: [&str; 23] = [
     "builtin_interfaces/msg/Time",
     "diagnostic_msgs/msg/DiagnosticArray",
     "ellipsoid_slam/msg/EllipsoidMeasurementArray",
     "ellipsoid_slam/msg/ObjectArray",
     "geometry_msgs/msg/PoseStamped",
     "geometry_msgs/msg/TransformStamped",
+    "lifecycle_msgs/msg/TransitionEvent",
     "nav_msgs/msg/OccupancyGrid",
     "nav_msgs/msg/Odometry",
     "nav_msgs/msg/Path",
@@ -175,7 +176,7 @@ const MESSAGES: [&str; 22] = [
     "visualization_msgs/msg/MarkerArray",
     "yolo_msgs/msg/DetectionArray",
 ];
-const SERVICES: [&str; 16] = [
+const SERVICES: [&str; 20] = [
     "ellipsoid_slam/srv/AddObject",
     "ellipsoid_slam/srv/ApproachObject",
     "ellipsoid_slam/srv/DeleteObject",
@@ -184,6 +185,10 @@ const SERVICES: [&str; 16] = [
     "ellipsoid_slam/srv/QueryObjects",
     "ellipsoid_slam/srv/RenameObject",
     "ellipsoid_slam/srv/SaveMap",
+    "lifecycle_msgs/srv/ChangeState",
+    "lifecycle_msgs/srv/GetAvailableStates",
+    "lifecycle_msgs/srv/GetAvailableTransitions",
+    "lifecycle_msgs/srv/GetState",
     "rcl_interfaces/srv/DescribeParameters",
     "rcl_interfaces/srv/GetParameters",
     "rcl_interfaces/srv/GetParameterTypes",
