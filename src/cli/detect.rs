@@ -9,7 +9,11 @@ use super::{
 };
 use crate::{
     io::{BagReader, BagWriter, FoundBoxes, RawMessage},
-    msg::{Message, convert::detection_array, schema_text, vision_msgs, yolo_msgs},
+    msg::{
+        Message,
+        convert::{detection_array, yolo_detection_array},
+        schema_text, vision_msgs, yolo_msgs,
+    },
     topics::Roles,
 };
 use anyhow::{Context, anyhow};
@@ -17,7 +21,8 @@ use clap::Parser;
 use indicatif::ProgressBar;
 use std::{collections::BTreeSet, path::PathBuf, time::Duration};
 
-/// Find 2D boxes in the colour images of a bag with an ONNX model, and write the bag with them.
+/// Find 2D boxes in the colour images of a bag with an ONNX model, and write the bag with them: as `vision_msgs`, or as `yolo_msgs` where
+/// the model gives masks.
 #[derive(Debug, Parser)]
 pub(super) struct Args {
     /// An `.mcap` or `.db3` file or a rosbag2 folder.
@@ -68,6 +73,7 @@ struct Detecting {
     bag: BagWriter,
     rgb: String,
     found: FoundBoxes,
+    has_masks: bool,
     described: String,
     images: u64,
     boxes: usize,
@@ -83,6 +89,7 @@ impl Detecting {
             bag,
             rgb,
             found: FoundBoxes::new(loaded.find),
+            has_masks: loaded.has_masks,
             described: loaded.described,
             images: 0,
             boxes: 0,
@@ -107,11 +114,17 @@ impl Detecting {
         }
         let started = now();
         match self.found.of(message) {
-            Ok(boxes) => {
+            Ok((boxes, image_size)) => {
                 self.took += now() - started;
                 self.images += 1;
                 self.boxes += boxes.detections.len();
-                self.bag.write(DETECTIONS, &detection_array(&boxes), *log_time)?;
+                if self.has_masks {
+                    // Boxes of `vision_msgs` have no room for masks.
+                    let boxes = yolo_detection_array(&boxes, image_size);
+                    self.bag.write(DETECTIONS, &boxes, *log_time)?;
+                } else {
+                    self.bag.write(DETECTIONS, &detection_array(&boxes), *log_time)?;
+                }
             }
             Err(why) => self.failed.get_or_insert((0, why.to_string())).0 += 1,
         }

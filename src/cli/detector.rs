@@ -32,6 +32,8 @@ impl DetectorArgs {
 pub(super) struct Loaded {
     pub(super) find: FindBoxes,
     pub(super) described: String,
+    /// Whether its boxes have masks.
+    pub(super) has_masks: bool,
 }
 
 /// The detector of the settings; nothing if they name none.
@@ -56,9 +58,12 @@ pub(super) fn load(settings: &DetectorSettings) -> anyhow::Result<Option<Loaded>
     };
     let detector = Detector::new(onnx, labels, settings).with_context(|| settings.model.clone())?;
     let [width, height] = detector.input_size();
-    let described = format!("a model of the form {} for {width}x{height}", detector.form());
+    let has_masks = detector.has_masks();
+    let with_masks = if has_masks { " with masks" } else { "" };
+    let described =
+        format!("a model of the form {}{with_masks} for {width}x{height}", detector.form());
     let find = Box::new(move |image: &_| detector.detect(image).map_err(|e| e.to_string()));
-    Ok(Some(Loaded { find, described }))
+    Ok(Some(Loaded { find, described, has_masks }))
 }
 
 /// Without the feature there is none.

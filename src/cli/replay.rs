@@ -396,8 +396,10 @@ fn print_summary(summary: &Summary, folder: &Path) {
     for warning in &summary.warnings {
         eprintln!("warning: {warning}");
     }
+    let in_space = summary.topics.detections_3d.is_some();
+    let frames = if in_space { "messages of detections in space" } else { "RGB-D frames" };
     say!(
-        "{} objects from {} keyframes of {} RGB-D frames ({} of {} boxes gave an ellipsoid)",
+        "{} objects from {} keyframes of {} {frames} ({} of {} boxes gave an ellipsoid)",
         summary.objects,
         summary.keyframes,
         summary.frames,

@@ -94,6 +94,14 @@ impl Letterbox {
         Rect::new(left, top, right, bottom)?.clipped(self.image[0], self.image[1])
     }
 
+    /// A place of the image, `[x, y]` from its upper left corner, in the input.
+    pub(super) fn in_input(&self, at: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let of_input = f64::from(self.scaled[axis]) / f64::from(self.image[axis]);
+            at[axis] * of_input + f64::from(self.offset[axis])
+        })
+    }
+
     /// The pixels of the image between which the centre of a scaled one is.
     fn between(&self, axis: usize, at: u32) -> Between {
         let of_image = f64::from(self.image[axis]) / f64::from(self.scaled[axis]);

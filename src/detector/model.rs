@@ -4,6 +4,7 @@ use super::{
     labels::{LabelError, Labels},
     letterbox::{Colors, Fit, Letterbox},
     output::{Rows, Tensor},
+    prototypes::Prototypes,
     suppression::suppress,
 };
 use crate::{
@@ -20,6 +21,7 @@ pub struct Detector {
     network: Network,
     form: ModelForm,
     labels: Labels,
+    segments: bool,
     settings: DetectorSettings,
 }
 
@@ -92,7 +94,14 @@ impl Detector {
             },
         };
         let form = rows.form();
-        Ok(Self { network, form, labels, settings: settings.clone() })
+        let prototypes = Prototypes::of(&outputs, network.input);
+        let segments = prototypes.is_some_and(|given| given.count() == rows.mask_parts());
+        Ok(Self { network, form, labels, segments, settings: settings.clone() })
+    }
+
+    /// Whether the model segments: its boxes have masks then, but for those whose mask is none.
+    pub fn has_masks(&self) -> bool {
+        self.segments
     }
 
     /// The form of the model's output.
@@ -105,7 +114,7 @@ impl Detector {
         self.network.input
     }
 
-    /// What is in an image, most probable first: boxes in its pixels.
+    /// What is in an image, most probable first: boxes in its pixels, with masks where the model segments.
     ///
     /// # Errors
     /// When the model does not run, or gives something else than at first.
@@ -119,9 +128,19 @@ impl Detector {
         let found = candidates.filter_map(|found| {
             let label = self.labels.get(found.class).filter(|l| self.settings.is_wanted(l))?;
             let rect = letterbox.in_image(found.corners)?;
-            Detection::new(rect, vec![(label.to_owned(), found.score)]).ok()
+            let detection = Detection::new(rect, vec![(label.to_owned(), found.score)]).ok()?;
+            Some((detection, found.at))
         });
-        Ok(suppress(found.collect(), self.settings.max_overlap))
+        let kept = suppress(found.collect(), self.settings.max_overlap).into_iter();
+        let prototypes = Prototypes::of(&outputs, self.network.input);
+        let masked = kept.map(|(mut detection, at)| {
+            let mask = |prototypes: &Prototypes<'_>| {
+                prototypes.mask(&rows.parts_of_mask(at), &detection.rect, &letterbox)
+            };
+            detection.mask = prototypes.as_ref().and_then(mask);
+            detection
+        });
+        Ok(masked.collect())
     }
 }
 

@@ -18,6 +18,8 @@ pub(super) struct Candidate {
     pub(super) class: usize,
     /// From 0 to 1.
     pub(super) score: f64,
+    /// Its place among all of the network's.
+    pub(super) at: usize,
 }
 
 /// Outputs whose form is known, in rows that are alike: one a candidate.
@@ -28,7 +30,7 @@ pub(super) struct Rows<'a> {
     boxes: &'a Tensor,
     /// Where classes have a tensor of their own.
     scores: Option<&'a Tensor>,
-    /// Numbers of a candidate, after its classes, that say which of the network's masks make up its own.
+    /// The last numbers of a candidate say how much its mask has of each of the network's.
     mask_parts: usize,
 }
 
@@ -69,14 +71,18 @@ impl<'a> Rows<'a> {
             (_, [boxes]) => (*boxes, None),
             _ => return None,
         };
+        let mask_parts = match form {
+            ModelForm::Yolox | ModelForm::Rtdetr | ModelForm::Auto => 0,
+            ModelForm::Yolov5 | ModelForm::Yolov8 | ModelForm::EndToEnd => mask_parts,
+        };
         let [rows, columns] = [boxes.rows(), boxes.columns()];
         let cells = cells(input);
         let fits = match form {
             ModelForm::Auto => false,
             ModelForm::Yolox => rows == cells && columns > 5,
-            ModelForm::Yolov5 => rows == 3 * cells && columns > 5,
+            ModelForm::Yolov5 => rows == 3 * cells && columns > 5 + mask_parts,
             ModelForm::Yolov8 => columns == cells && rows > 4 + mask_parts,
-            ModelForm::EndToEnd => rows <= MOST_QUERIES && columns == 6,
+            ModelForm::EndToEnd => rows <= MOST_QUERIES && columns == 6 + mask_parts,
             ModelForm::Rtdetr => match scores {
                 Some(scores) => scores.rows() == rows,
                 None => rows <= MOST_QUERIES && columns > 4,
@@ -93,7 +99,9 @@ impl<'a> Rows<'a> {
     /// How many classes the network knows; nothing where its output does not say.
     pub(super) fn classes(&self) -> Option<usize> {
         match self.form {
-            ModelForm::Yolox | ModelForm::Yolov5 => Some(self.boxes.columns() - 5),
+            ModelForm::Yolox | ModelForm::Yolov5 => {
+                Some(self.boxes.columns() - 5 - self.mask_parts)
+            }
             ModelForm::Yolov8 => Some(self.boxes.rows() - 4 - self.mask_parts),
             ModelForm::Rtdetr => {
                 Some(self.scores.map_or(self.boxes.columns() - 4, Tensor::columns))
@@ -102,11 +110,31 @@ impl<'a> Rows<'a> {
         }
     }
 
+    /// How many masks of the network's each candidate refers to; 0 where it gives boxes alone.
+    pub(super) fn mask_parts(&self) -> usize {
+        self.mask_parts
+    }
+
+    /// How much a candidate's mask has of each of them.
+    pub(super) fn parts_of_mask(&self, candidate: usize) -> Vec<f32> {
+        let (data, rows, columns) = (&self.boxes.data, self.boxes.rows(), self.boxes.columns());
+        match self.form {
+            ModelForm::Yolov8 => {
+                let last = rows - self.mask_parts..rows;
+                last.map(|row| data[row * columns + candidate]).collect()
+            }
+            _ => {
+                let end = (candidate + 1) * columns;
+                data[end - self.mask_parts..end].to_vec()
+            }
+        }
+    }
+
     /// Boxes with a score of at least `min_score`, each with its most probable class.
     pub(super) fn candidates(&self, min_score: f64) -> Vec<Candidate> {
         match self.form {
             ModelForm::Yolox => self.of_grids(min_score),
-            ModelForm::Yolov5 => self.of_rows(min_score, |row| (row.get(4), &row[5..])),
+            ModelForm::Yolov5 => self.of_rows(min_score),
             ModelForm::Yolov8 => self.of_columns(min_score),
             ModelForm::Rtdetr => self.of_queries(min_score),
             ModelForm::EndToEnd => self.ready(min_score),
@@ -121,32 +149,26 @@ impl<'a> Rows<'a> {
             let [columns, lines] = self.input.map(|side| side / stride);
             (0..lines).flat_map(move |y| (0..columns).map(move |x| (stride, x, y)))
         });
-        let decoded = rows.zip(cells).filter_map(|(row, (stride, x, y))| {
+        let decoded = rows.zip(cells).enumerate().filter_map(|(at, (row, (stride, x, y)))| {
             let (class, score) = best(&row[5..])?;
             let score = f64::from(score) * f64::from(row[4]);
             let stride = f64::from(stride);
             let center = [f64::from(row[0]) + f64::from(x), f64::from(row[1]) + f64::from(y)];
             let size = [row[2], row[3]].map(|log| f64::from(log).exp());
             let [[x, y], [width, height]] = [center, size].map(|v| v.map(|v| v * stride));
-            (score >= min_score).then(|| candidate([x, y, width, height], class, score))
+            (score >= min_score).then(|| candidate(at, [x, y, width, height], (class, score)))
         });
         decoded.collect()
     }
 
-    /// Rows `x, y, width, height, …`, with what `parts` takes from each: how probable it is that there is something, and
-    /// the classes.
-    fn of_rows(
-        &self,
-        min_score: f64,
-        parts: impl Fn(&[f32]) -> (Option<&f32>, &[f32]),
-    ) -> Vec<Candidate> {
-        let rows = self.boxes.data.chunks_exact(self.boxes.columns());
-        let decoded = rows.filter_map(|row| {
-            let (something, classes) = parts(row);
-            let (class, score) = best(classes)?;
-            let score = f64::from(score) * something.copied().map_or(1.0, f64::from);
+    /// Rows `x, y, width, height, how probable it is that there is something`, and the classes.
+    fn of_rows(&self, min_score: f64) -> Vec<Candidate> {
+        let rows = self.boxes.data.chunks_exact(self.boxes.columns()).enumerate();
+        let decoded = rows.filter_map(|(at, row)| {
+            let (class, score) = best(&row[5..row.len() - self.mask_parts])?;
+            let score = f64::from(score) * f64::from(row[4]);
             let body = [row[0], row[1], row[2], row[3]].map(f64::from);
-            (score >= min_score).then(|| candidate(body, class, score))
+            (score >= min_score).then(|| candidate(at, body, (class, score)))
         });
         decoded.collect()
     }
@@ -161,7 +183,7 @@ impl<'a> Rows<'a> {
             let (class, score) = best(&classes)?;
             let body = [0, 1, 2, 3].map(|row| f64::from(at(row, column)));
             let score = f64::from(score);
-            (score >= min_score).then(|| candidate(body, class, score))
+            (score >= min_score).then(|| candidate(column, body, (class, score)))
         });
         decoded.collect()
     }
@@ -182,15 +204,15 @@ impl<'a> Rows<'a> {
             let parts = [row[0], row[1], row[2], row[3]].map(f64::from);
             let body = [parts[0] * width, parts[1] * height, parts[2] * width, parts[3] * height];
             let score = f64::from(score);
-            (score >= min_score).then(|| candidate(body, class, score))
+            (score >= min_score).then(|| candidate(at, body, (class, score)))
         });
         decoded.collect()
     }
 
     /// Rows `left, top, right, bottom, score, class`.
     fn ready(&self, min_score: f64) -> Vec<Candidate> {
-        let rows = self.boxes.data.chunks_exact(self.boxes.columns());
-        let decoded = rows.filter_map(|row| {
+        let rows = self.boxes.data.chunks_exact(self.boxes.columns()).enumerate();
+        let decoded = rows.filter_map(|(at, row)| {
             let score = f64::from(row[4]);
             let corners = [row[0], row[1], row[2], row[3]].map(f64::from);
             let is_class = row[5] >= 0.0 && row[5].fract() == 0.0;
@@ -198,6 +220,7 @@ impl<'a> Rows<'a> {
                 corners,
                 class: row[5] as usize,
                 score,
+                at,
             })
         });
         decoded.collect()
@@ -227,7 +250,11 @@ fn best(values: &[f32]) -> Option<(usize, f32)> {
     (!value.is_nan()).then_some((at, value))
 }
 
-fn candidate([x, y, width, height]: [f64; 4], class: usize, score: f64) -> Candidate {
+fn candidate(
+    at: usize,
+    [x, y, width, height]: [f64; 4],
+    (class, score): (usize, f64),
+) -> Candidate {
     let corners = [x - 0.5 * width, y - 0.5 * height, x + 0.5 * width, y + 0.5 * height];
-    Candidate { corners, class, score }
+    Candidate { corners, class, score, at }
 }

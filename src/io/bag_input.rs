@@ -265,7 +265,8 @@ impl Iterator for Inputs<'_> {
             self.log_time = message.log_time;
             let decoded = match &mut self.color {
                 Some((topic, boxes)) if **topic == *message.topic => {
-                    self.decoder.note(&message, boxes.of(&message)).map(Input::Detections).map(Some)
+                    let found = boxes.of(&message).map(|(boxes, _)| boxes);
+                    self.decoder.note(&message, found).map(Input::Detections).map(Some)
                 }
                 _ => self.decoder.decode(&message),
             };

@@ -19,16 +19,20 @@ impl FoundBoxes {
         Self(find)
     }
 
-    /// The boxes of an image, with its stamp and frame.
+    /// The boxes of an image, with its stamp and frame, and its width and height in pixels.
     ///
     /// # Errors
     /// When the image cannot be decoded, or the detector fails.
-    pub fn of(&mut self, message: &RawMessage) -> Result<DetectionsMessage, ConvertError> {
+    pub fn of(
+        &mut self,
+        message: &RawMessage,
+    ) -> Result<(DetectionsMessage, (u32, u32)), ConvertError> {
         let header = decode_header(&message.data)?;
         let image = decode_color(message)?;
         let detections = (self.0)(&image).map_err(ConvertError::Detector)?;
         let frame_id = header.frame_id.trim_start_matches('/').to_owned();
-        Ok(DetectionsMessage { stamp: header.stamp.into(), frame_id, detections })
+        let boxes = DetectionsMessage { stamp: header.stamp.into(), frame_id, detections };
+        Ok((boxes, (image.width, image.height)))
     }
 }
 

@@ -57,6 +57,11 @@ impl SavedMap {
 }
 
 impl SavedObject {
+    /// What people call it; its most probable label where nobody has named it.
+    pub fn name(&self) -> &str {
+        self.name.as_deref().unwrap_or(&self.label)
+    }
+
     /// What is recognised of it.
     pub fn landmark(&self) -> Landmark {
         Landmark {

@@ -169,7 +169,7 @@ fn names(svg: &mut String, sheet: &Sheet, objects: &[SavedObject], feet: &[Vec<P
     let area = |at: usize| objects[at].ellipsoid.semi_axes.xy().product();
     smallest_first.sort_by(|a, b| area(*a).total_cmp(&area(*b)));
     for (object, foot) in smallest_first.into_iter().map(|at| (&objects[at], &feet[at])) {
-        let name = format!("{} {}", object.label, object.id);
+        let name = format!("{} {}", object.name(), object.id);
         let [x, y, z]: [f64; 3] = (object.ellipsoid.semi_axes * 2.0).into();
         let size = format!("{x:.2} × {y:.2} × {z:.2} m");
         let letters = name.chars().count().max(size.chars().count());

@@ -29,6 +29,7 @@ fn exports_are_read_by_numpy_trimesh_and_parsers() {
         object.ellipsoid.pose.translation.x += id as f64;
         map.objects.push(object);
     }
+    map.objects[1].name = Some("the \"blue\" one".into());
     map.objects[3].label = HOSTILE.into();
     map.objects[3].labels = [(HOSTILE.to_owned(), 0.9)].into();
     let file = folder.path().join("map.json");

@@ -22,6 +22,7 @@ assert np.allclose(numbers("x", "y", "z"), positions)
 assert np.allclose(numbers("qx", "qy", "qz", "qw"), [o["orientation"] for o in objects])
 assert np.allclose(numbers("size_x", "size_y", "size_z"), sizes)
 assert [row["label"] for row in rows] == [o["label"] for o in objects]
+assert [row["name"] for row in rows] == [o.get("name", "") for o in objects] != ["", "", "", ""]
 assert [row["outline"] for row in rows] == ["cuboid", "cylinder", "ellipsoid", "superquadric"]
 sigmas = numbers("sigma_x", "sigma_y", "sigma_z")
 assert (0 < sigmas).all() and (sigmas < 0.2).all(), sigmas
@@ -40,6 +41,7 @@ features = json.loads((folder / "map.geojson").read_text())["features"]
 for feature, body, o in zip(features, bodies, objects, strict=True):
     ring = np.array(feature["geometry"]["coordinates"][0])
     assert (ring[0] == ring[-1]).all() and feature["properties"]["label"] == o["label"]
+    assert feature["properties"]["name"] == o.get("name")
     (x, y), (next_x, next_y) = ring[:-1].T, ring[1:].T
     area = 0.5 * (x * next_y - next_x * y).sum()
     sides = 2 * np.array(o["semi_axes"])
@@ -51,6 +53,7 @@ for feature, body, o in zip(features, bodies, objects, strict=True):
 world = ElementTree.parse(folder / "map.sdf").getroot().find("world")
 models = world.findall("model")
 assert len({model.get("name") for model in models}) == len(objects)
+assert models[1].get("name") == 'the_"blue"_one_2'
 for model, o in zip(models, objects, strict=True):
     pose = [float(number) for number in model.find("pose").text.split()]
     assert np.allclose(pose[:3], o["position"]) and model.find("static").text == "true"

@@ -117,20 +117,6 @@ fn a_form_that_does_not_fit_is_refused() {
 }
 
 #[test]
-fn networks_that_segment_give_boxes_too() {
-    // A second output of five masks; the last five numbers of a candidate belong to them, and are no classes.
-    let mut data = vec![0.0; 12 * CELLS];
-    for (row, value) in [20.0, 20.0, 16.0, 8.0, 0.1, 0.6, 0.0, 0.9].into_iter().enumerate() {
-        data[row * CELLS] = value;
-    }
-    let masks = vec![0.0; 5 * 16 * 16];
-    let onnx = model(IMAGE, &[(&[1, 12, CELLS as u64], data), (&[1, 5, 16, 16], masks)]);
-    let found = found(&onnx, &settings(ModelForm::Auto));
-    assert_eq!(found.len(), 1);
-    assert_box(&found[0], "chair", 0.6, [24.0, 0.0, 56.0, 16.0]);
-}
-
-#[test]
 fn of_boxes_of_one_class_that_overlap_the_best_is_kept() {
     let onnx = yolov8(&[
         [20.0, 24.0, 16.0, 8.0, 0.0, 0.6, 0.0],

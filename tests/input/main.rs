@@ -17,6 +17,8 @@ mod fuzz;
 mod generations;
 mod in_space;
 mod inspect;
+#[cfg(feature = "detector")]
+mod instance_masks;
 mod mutants;
 #[cfg(feature = "detector")]
 mod onnx;

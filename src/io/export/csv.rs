@@ -7,10 +7,11 @@ use crate::{
 };
 
 const HEADER: &str = "id,label,probability,existence,observations,first_seen,last_seen,x,y,z,qx,qy,qz,qw,yaw,\
-    size_x,size_y,size_z,outline,support_height,sigma_x,sigma_y,sigma_z";
+    size_x,size_y,size_z,outline,support_height,sigma_x,sigma_y,sigma_z,name";
 
 /// A header, then a line an object: stamps in seconds, positions and full sizes in metres, yaw in radians, standard
-/// deviations of the position along the map's axes. The height of what it stands on is empty where it is not known.
+/// deviations of the position along the map's axes, and the name that people gave it. The height of what it stands on is empty
+/// where it is not known, the name where it has none.
 pub(super) fn table(map: &SavedMap) -> String {
     let lines = map.objects.iter().map(line);
     std::iter::once(HEADER.to_owned()).chain(lines).map(|line| line + "\r\n").collect()
@@ -40,6 +41,7 @@ fn line(object: &SavedObject) -> String {
         outline_name(object.outline).to_owned(),
         support,
         numbers(variance.map(f64::sqrt).as_slice()),
+        object.name.as_deref().map(quoted).unwrap_or_default(),
     ]
     .join(",")
 }

@@ -31,6 +31,7 @@ fn feature(object: &SavedObject) -> Value {
         "geometry": { "type": "Polygon", "coordinates": [ring] },
         "properties": {
             "label": object.label,
+            "name": object.name,
             "existence": object.existence,
             "observations": object.observations,
             "center_z": center.z,

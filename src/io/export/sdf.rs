@@ -22,7 +22,7 @@ fn model(object: &SavedObject) -> String {
     let t = pose.translation.vector;
     let (roll, pitch, yaw) = pose.rotation.euler_angles();
     let [r, g, b] = color_of(&object.label);
-    let name = escaped(&format!("{}_{}", object.label.replace(' ', "_"), object.id));
+    let name = escaped(&format!("{}_{}", object.name().replace(' ', "_"), object.id));
     format!(
         "    <model name=\"{name}\">\n      <static>true</static>\n      \
          <pose>{} {} {} {roll} {pitch} {yaw}</pose>\n      <link name=\"link\">\n        \

@@ -30,7 +30,8 @@ const metres = (value, digits = 2) => value.toFixed(digits);
 const percent = (value) => (value === null || value === undefined ? "–" : `${(100 * value).toFixed(value > 0.9995 ? 0 : 1)} %`);
 const seconds = (value) => `${value.toFixed(1)} s`;
 const counted = (count, one, many = `${one}s`) => `${count} ${count === 1 ? one : many}`;
-const nameOf = (object) => `${object.label} ${object.id}`;
+/** What people call it, or its label, and its number. */
+const nameOf = (object) => `${inMap.get(object.id)?.name ?? object.label} ${object.id}`;
 
 /** Bytes of a base64 text. */
 function bytesOf(text) {
