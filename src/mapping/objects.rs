@@ -190,7 +190,7 @@ impl ObjectMap {
             object.join(*stamp, observation, &map_from_base, &self.settings);
             let looks = object.looks.count();
             loose.extend(object.tie(&mut self.graph, observation, &place, &self.slam)?);
-            let of_pose = shown.of_pose(of).filter(|_| object.looks.count() > looks);
+            let of_pose = (object.looks.count() > looks).then(|| shown.of_pose(of)).flatten();
             loose.extend(object.follow_little(&mut self.graph, of_pose)?);
         }
         self.graph.update()?;

@@ -112,16 +112,17 @@ pub fn estimate_frame(
     let boxes = detections.iter().zip(&estimates);
     let claims =
         Claims::new(frame, boxes.map(|(d, e)| (d.rect, e.as_ref().ok().map(|e| &e.segment))));
+    let are_others = |at: usize| {
+        let (masks, claims) = (&masks, &claims);
+        move |p: &SurfacePoint| masks.forbid(at, p) || claims.are_others(at, p)
+    };
     for (at, detection) in detections.iter().enumerate().filter(|(at, _)| claims.contest(*at)) {
-        let are_others = |p: &SurfacePoint| masks.forbid(at, p) || claims.are_others(at, p);
-        estimates[at] = estimate_object(frame, scenery, detection, settings, &are_others, observer);
+        estimates[at] =
+            estimate_object(frame, scenery, detection, settings, &are_others(at), observer);
     }
     let seen = (scenery, detections);
     let (objects, glimpses) = (detections.iter().zip(estimates).enumerate())
-        .map(|(at, of_box)| {
-            let are_others = |p: &SurfacePoint| masks.forbid(at, p) || claims.are_others(at, p);
-            measured_or_glimpsed(frame, of_box, (seen, &are_others), settings)
-        })
+        .map(|(at, of_box)| measured_or_glimpsed(frame, of_box, (seen, &are_others(at)), settings))
         .unzip();
     FrameEstimate { planes, walls, objects, glimpses }
 }
